@@ -31,7 +31,7 @@ from p2os_emu.options import EXIT_CONFIG, EXIT_OK, EXIT_PARTS, EXIT_PHYSICS, EXI
 from p2os_emu.ports import Ports
 from p2os_emu.private_folder import CONTROL, private_folder
 from p2os_emu.record_and_replay import RobotRecorders, check, serve
-from p2os_emu.recording import RecordingError
+from p2os_emu.recording import RecordingError, read
 from p2os_emu.runner import Runner
 from p2os_emu.team import EmulatedTeam
 
@@ -128,7 +128,7 @@ def _emulate(options: EmulatorOptions) -> None:
 
         def degrade(level: int) -> None:
             cameras.has_stopped = level > STAGES.index("camera images")
-            world.economise(people=level > STAGES.index("people"), parked=level == len(STAGES))
+            world.stop_people(level > STAGES.index("people"))
 
         runner.when_degraded.append(degrade)
         factory = _open_factory(options, poller, team, stack)
@@ -146,8 +146,9 @@ def _emulate(options: EmulatorOptions) -> None:
 
 
 def _check(path: Path, options: EmulatorOptions) -> int:
-    with contextlib.closing(_make_world(options)) as world:
-        return EXIT_OK if check(path, options, world) else EXIT_PARTS
+    recording = read(path)
+    with contextlib.closing(_make_world(options, rest_parked=recording.parked_rest)) as world:
+        return EXIT_OK if check(recording, path, options, world) else EXIT_PARTS
 
 
 @contextlib.contextmanager
@@ -163,7 +164,7 @@ def _clean_output() -> Iterator[None]:
             os.dup2(own.fileno(), 1)
 
 
-def _make_world(options: EmulatorOptions) -> "World":
+def _make_world(options: EmulatorOptions, *, rest_parked: bool = True) -> "World":
     # The engine takes longer to load than all the rest: what needs none of it should not wait for it.
     try:
         from p2os_emu.world import World, WorldError, load_world
@@ -176,7 +177,7 @@ def _make_world(options: EmulatorOptions) -> "World":
     if spec.note and not options.quiet:
         print(f"p2os-emu: {spec.note}", file=sys.stderr)
     try:
-        return World(spec, seed=options.seed, perfect=options.perfect, gui=options.gui)
+        return World(spec, seed=options.seed, perfect=options.perfect, gui=options.gui, rest_parked=rest_parked)
     except WorldError as error:
         raise _PhysicsError(str(error)) from error
 

@@ -4,9 +4,9 @@ Stages come one after the other with growing lateness, and go one after the othe
 while. Whether they come is a matter of wall time and so never the same twice; without load nothing here has an effect.
 """
 
-STAGES = ("camera images", "people", "physics of parked robots")
-"""In the order in which they are given up: pictures, the steps of people, and computing robots that are parked."""
-LATE = (0.1, 0.2, 0.3)
+STAGES = ("camera images", "people")
+"""In the order in which they are given up: pictures, and the steps of people."""
+LATE = (0.1, 0.2)
 """s of wall time that a step is late when each stage begins; steps later than `pacing.CATCH_UP_LIMIT` are lost."""
 ON_TIME = 0.05
 """s; a step that is late by less is on time."""

@@ -104,7 +104,7 @@ def serve(path: Path, options: EmulatorOptions) -> None:
         runner.run(options.duration)
 
 
-def check(path: Path, options: EmulatorOptions, world: EmulatedSurroundings) -> bool:
+def check(recording: Recording, path: Path, options: EmulatorOptions, world: EmulatedSurroundings) -> bool:
     """Send a recorded client's bytes to the emulator, and print the differences between the two robots.
 
     Returns:
@@ -112,7 +112,6 @@ def check(path: Path, options: EmulatorOptions, world: EmulatedSurroundings) -> 
     Raises:
         RecordingError, ConfigError: As usual; also when nothing says which model it was.
     """
-    recording = read(path)
     model = configs.load(RobotModel, "robots", _model(recording, path, options))
     try:
         model, fit = read_fit([part for text in options.fits for part in text.split(",")], model)

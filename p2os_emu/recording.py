@@ -1,7 +1,8 @@
 """Recordings of the bytes on a line with their time and sender: written, read, and replayed to a client.
 
 A file holds one JSON object a line: {"t": s since the start, "from": "host" or "robot", "hex": bytes}. A first line
-{"cassette": 1, "name": ..., "model": ...} may say whose line it was.
+{"cassette": 2, "name": ..., "model": ...} may say whose line it was. Of version 1 are the recordings of emulators that
+computed parked robots too.
 """
 
 import json
@@ -28,7 +29,9 @@ from p2os.handshake import CONNECTION_COMMANDS, ConnectionCommand
 from p2os.sip import SIP_TYPES
 from p2os.wire_log import ConnectionTracker, FrameSource
 
-VERSION = 1
+VERSION = 2
+PARKED_REST_FROM = 2
+"""The first version whose emulators let parked robots rest."""
 
 
 class RecordingError(ValueError):
@@ -60,11 +63,16 @@ class _RecordedExchange:
 
 @dataclass(frozen=True, slots=True)
 class Recording:
-    """A recording. name, model: of the robot, empty where the file does not say."""
+    """A recording.
+
+    name, model: of the robot, empty where the file does not say. parked_rest: an emulator that did not compute parked
+    robots made it.
+    """
 
     moments: tuple[RecordedBytes, ...]
     name: str = ""
     model: str = ""
+    parked_rest: bool = False
 
     def of(self, source: FrameSource) -> list[RecordedBytes]:
         """Return the bytes that one end sent."""
@@ -127,7 +135,9 @@ def read(path: Path) -> Recording:
             ) from error
     if not moments:
         raise RecordingError(f"{path} holds no bytes; record some with p2os-emu --record {path}")
-    return Recording(tuple(moments), str(header.get("name", "")), str(header.get("model", "")))
+    version = header.get("cassette")
+    parked_rest = isinstance(version, int) and version >= PARKED_REST_FROM
+    return Recording(tuple(moments), str(header.get("name", "")), str(header.get("model", "")), parked_rest)
 
 
 def _moment(entry: Any) -> RecordedBytes:

@@ -31,6 +31,11 @@ from p2os_emu.world.touches import Bumper
 
 STANDING = 0.002
 """m/s or rad/s; a part of a robot that moves no faster stands."""
+PARKED_LOOKS = 30
+"""Looks at a robot that stands, one in 12 steps, after which it is parked: 3 s.
+
+The engine takes a step to wake it, so robots are not parked in the pauses between the motions of a program.
+"""
 
 
 class RobotBody:
@@ -41,6 +46,7 @@ class RobotBody:
     """
 
     is_resting = False
+    _looks_at_rest = 0
     arm: ArmMechanism | None = None
     touched: Collection[int] = ()
 
@@ -156,24 +162,36 @@ class RobotBody:
         disturbed = echoes.ranges + self._rng.normal(0.0, beams.noise, beams.count)
         return echoes._replace(ranges=np.maximum(disturbed, 0.0))
 
-    def rest(self) -> None:
-        """Stop simulating the robot if it is parked: at rest, not driven and holding nothing."""
-        if self._target not in (None, (0.0, 0.0)) or self.held is not None or self._moves():
+    def rest_if_parked(self) -> None:
+        """Stop simulating the robot if it stands in `PARKED_LOOKS` calls, not driven and in touch with nothing."""
+        if self._target not in (None, (0.0, 0.0)) or self.held is not None or self.touched or self._moves():
+            self._looks_at_rest = 0
             return
-        self.is_resting = True
-        self._activate(engine.ACTIVATION_STATE_ENABLE_SLEEPING + engine.ACTIVATION_STATE_SLEEP)
+        self._looks_at_rest += 1
+        if self._looks_at_rest >= PARKED_LOOKS:
+            self.is_resting = True
+            self._activate(engine.ACTIVATION_STATE_ENABLE_SLEEPING + engine.ACTIVATION_STATE_SLEEP)
 
     def wake(self) -> None:
         """Simulate the robot again."""
+        self._looks_at_rest = 0
         if self.is_resting:
             self.is_resting = False
             self._activate(engine.ACTIVATION_STATE_WAKE_UP + engine.ACTIVATION_STATE_DISABLE_SLEEPING)
 
-    def look_whether_it_rests(self) -> None:
-        """Read the machine anew, and wake it for good if something has moved it."""
-        self.refresh()
-        if self._moves():
+    def notice(self, *, thoroughly: bool) -> None:
+        """Wake a robot that rests if something touches it.
+
+        Args:
+            thoroughly: Read the whole machine anew, and wake the robot also if it moves.
+        """
+        if thoroughly:
+            self.refresh()
+        elif self._infrared is not None:
+            self._look_around(self.pose)
+        if self._touches_anything() or (thoroughly and self._moves()):
             self.wake()
+            self.refresh()
 
     def _moves(self) -> bool:
         (vx, vy, _), (_, _, turning) = self._client.getBaseVelocity(self.body_id)
@@ -270,6 +288,15 @@ class RobotBody:
             other, link, distance = contact[2], contact[3], contact[8]
             if link >= FIRST and distance <= 0.0 and other not in self._objects:
                 yield other
+
+    def _touches_anything(self) -> bool:
+        """Tell whether anything but the floor touches hull or accessories, and be it something in the gripper."""
+        # Without accessories the engine need not list how the wheels stand on the floor.
+        parts = {} if self.links else {"linkIndexA": HULL}
+        for contact in self._client.getContactPoints(bodyA=self.body_id, **parts):
+            if contact[2] != self._floor_id and contact[8] <= 0.0:
+                return True
+        return False
 
     def _bumpers(self, touched: Mapping[int, Sequence[Point]]) -> tuple[int, int]:
         """Pressed segments in front and behind."""

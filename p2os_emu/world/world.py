@@ -36,7 +36,7 @@ from p2os_emu.world.touches import TouchLog
 from p2os_emu.world.walkers import PersonPlace, check_routes
 
 LOOK_AT_PARKED = 12
-"""Steps from one look at robots that rest, or may rest, to the next, while computing time is saved."""
+"""Steps from one thorough look at robots that rest, or may rest, to the next."""
 
 
 class World:
@@ -45,7 +45,15 @@ class World:
     The same spec, seed and calls give bit-identical states, and each World is apart from all others in the process.
     """
 
-    def __init__(self, spec: WorldSpec, *, seed: int = 0, perfect: bool = False, gui: bool = False) -> None:
+    def __init__(
+        self,
+        spec: WorldSpec,
+        *,
+        seed: int = 0,
+        perfect: bool = False,
+        gui: bool = False,
+        rest_parked: bool = True,
+    ) -> None:
         """Build a world.
 
         Args:
@@ -53,6 +61,7 @@ class World:
             seed: Of every imperfection; each robot draws its own from seed and name.
             perfect: No imperfections: exact wheels, exact track, sonar without noise, misses or cross-talk.
             gui: Show a window.
+            rest_parked: Do not compute robots that are parked, until they are driven or touched.
         Raises:
             WorldError: Somebody's route leads through a wall, there is no display for the window, or the engine has no
                 room for one more world.
@@ -64,6 +73,7 @@ class World:
         self._perfect = perfect
         self._obstacles = Obstacles((*spec.walls, *spec.furniture, *spec.drops))
         self._robots: dict[str, RobotBody] = {}
+        self._rest_parked = rest_parked
         self._moving: tuple[MovingObject, ...] | None = None
         self._has_window = gui
         self._client = open_physics(gui)
@@ -73,7 +83,6 @@ class World:
         self.objects = Objects(self._client, spec.objects)
         self._bystanders = Bystanders(self._client, spec, seed)
         self._touches: dict[str, TouchLog] = {}
-        self._rests_parked = False
         self._names = _names(walls, spec.walls, "a wall") | _names(furniture, spec.furniture, "furniture")
         self._names |= {body: movable.name for body, movable in self.objects.bodies.items()} | self._bystanders.names
         self._scene = PlanarScene((*spec.walls, *spec.furniture), lambda: self.moving)
@@ -188,14 +197,14 @@ class World:
         self._client.stepSimulation()
         self.steps += 1
         self._moving = None
-        may_rest = self._rests_parked and self.steps % LOOK_AT_PARKED == 0
+        is_look_due = self.steps % LOOK_AT_PARKED == 0
         for name, robot in self._robots.items():
-            if not robot.is_resting:
+            if robot.is_resting:
+                robot.notice(thoroughly=is_look_due)
+            else:
                 robot.refresh()
-                if may_rest:
-                    robot.rest()
-            elif may_rest:
-                robot.look_whether_it_rests()
+                if is_look_due and self._rest_parked:
+                    robot.rest_if_parked()
             if robot.touched:
                 self._touches[name].note(self.time, {self._names[body] for body in robot.touched})
 
@@ -233,21 +242,9 @@ class World:
         """Where everybody is who walks about."""
         return self._bystanders.people()
 
-    def economise(self, *, people: bool, parked: bool) -> None:
-        """Save computing time, or stop saving it.
-
-        The engine puts parked robots to sleep and wakes them when they are driven or bumped into. They are read ten
-        times a second, not at every step.
-
-        Args:
-            people: Let people stand still.
-            parked: Do not compute robots that stand, until something moves them.
-        """
-        self._bystanders.stop_people(people)
-        self._rests_parked = parked
-        if not parked:
-            for robot in self._robots.values():
-                robot.wake()
+    def stop_people(self, on: bool) -> None:
+        """Stop the people, or let them walk again."""
+        self._bystanders.stop_people(on)
 
     def doors(self) -> Mapping[str, DoorState]:
         """How far each door with a leaf is open."""

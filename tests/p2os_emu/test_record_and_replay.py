@@ -6,16 +6,20 @@ from pathlib import Path
 
 import pytest
 
+import configs
+from p2os import Command, RobotModel, encode_command, encode_frame
 from p2os.wire_log import FrameSource
 from p2os_emu.__main__ import main
+from p2os_emu.checking import replay
 from p2os_emu.options import EXIT_CONFIG, EXIT_OK, EXIT_PARTS
-from p2os_emu.recording import read
+from p2os_emu.recording import RecordedBytes, Recording, read
 from tests.p2os_emu.test_program import CLOSE, OPEN, Client, program
 from tests.waiting import Deadline
 
 HELD_UP = 0.03  # s, three steps of the emulator beyond what its ±5 ms of cadence are
 
 pytest.importorskip("p2os_emu.world", reason="the physics engine is an extra")
+from p2os_emu.world import World, load_world  # noqa: E402 - the engine is an extra
 
 
 @pytest.fixture(scope="module")
@@ -122,3 +126,31 @@ def test_recording_of_nobody_knows_needs_a_model(tmp_path: Path, capsys: pytest.
 def test_place_that_cannot_be_written_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["--robot", "p3dx", "--record", str(tmp_path / "no" / "tape")]) == EXIT_CONFIG
     assert "choose another path" in capsys.readouterr().err
+
+
+def drive_after_a_pause(*, rest_parked: bool) -> list[RecordedBytes]:
+    """Return both ends of a drive that begins 5 s after the connection, in virtual time."""
+    host = [RecordedBytes(0.1 * number, FrameSource.HOST, encode_frame(bytes([number]))) for number in range(3)]
+    host += [RecordedBytes(0.4, FrameSource.HOST, encode_command(Command.OPEN))]
+    host += [RecordedBytes(0.5 + second, FrameSource.HOST, encode_command(Command.PULSE)) for second in range(8)]
+    host += [
+        RecordedBytes(0.45, FrameSource.HOST, encode_command(Command.ENABLE, 1)),
+        RecordedBytes(5.52, FrameSource.HOST, encode_command(Command.VEL, 0.3)),
+        RecordedBytes(8.0, FrameSource.HOST, encode_command(Command.PULSE)),
+    ]
+    host.sort()
+    recording = Recording(tuple(host), "happy", "p3dx-sh")
+    model = configs.load(RobotModel, "robots", "p3dx-sh")
+    with World(load_world("empty"), perfect=True, rest_parked=rest_parked) as world:
+        return sorted([*host, *replay(recording, model, world)])
+
+
+@pytest.mark.parametrize("version", [1, 2])
+def test_a_recording_is_checked_as_its_emulator_computed_parked_robots(version: int, tmp_path: Path) -> None:
+    said = drive_after_a_pause(rest_parked=version == 2)
+    assert said != drive_after_a_pause(rest_parked=version == 1), "otherwise nothing is tested here"
+    path = tmp_path / "tape"
+    lines = [{"cassette": version, "name": "happy", "model": "p3dx-sh"}]
+    lines += [{"t": each.time, "from": each.source, "hex": each.data.hex()} for each in said]
+    path.write_text("".join(json.dumps(line) + "\n" for line in lines))
+    assert main(["--check", str(path), "--perfect", "--world", "empty", "--quiet"]) == EXIT_OK

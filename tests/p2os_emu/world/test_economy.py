@@ -1,4 +1,4 @@
-"""Saving computing time: people that stand still, and parked robots that are not computed until they are moved."""
+"""Saving computing time: parked robots are not computed until they are moved, and people can be stopped."""
 
 from collections.abc import Iterator
 
@@ -10,6 +10,10 @@ from p2os import RobotModel
 from p2os_emu.fit import Fit
 from p2os_emu.world import World, WorldSpec, load_world
 from p2os_emu.world.robot_body import RobotBody
+from p2os_emu.world.spec import Block
+
+PARKED = 3.0
+"""s for which a robot stands until it is no more computed."""
 
 
 @pytest.fixture
@@ -35,17 +39,14 @@ def run(world: World, seconds: float) -> None:
 def test_parked_robots_rest_and_robots_that_drive_do_not(world: World) -> None:
     parked, driving = add(world, "parked", 0.0), add(world, "driving", 3.0)
     driving.drive(0.01, 0.01)
-    run(world, 1.0)
-    world.economise(people=False, parked=True)
-    run(world, 5.0)
+    run(world, 6.0)
     assert (is_resting(parked), is_resting(driving)) == (True, False)
     assert driving.pose.x == pytest.approx(3.0 + 6.0 * 0.01, rel=0.1), "however slowly it drives"
 
 
 def test_a_robot_that_rests_is_woken_by_its_motors_and_drives_as_ever(world: World) -> None:
     robot = add(world, "happy", 0.0)
-    world.economise(people=False, parked=True)
-    run(world, 1.0)
+    run(world, PARKED + 0.5)
     assert is_resting(robot)
     robot.drive(0.3, 0.3)
     run(world, 2.0)
@@ -55,8 +56,7 @@ def test_a_robot_that_rests_is_woken_by_its_motors_and_drives_as_ever(world: Wor
 
 def test_a_robot_that_rests_is_pushed_like_any_other(world: World) -> None:
     pusher, parked = add(world, "pusher", 0.0), add(world, "parked", 0.8)
-    world.economise(people=False, parked=True)
-    run(world, 1.0)
+    run(world, PARKED + 0.5)
     assert is_resting(parked)
     pusher.drive(0.5, 0.5)
     run(world, 3.0)
@@ -66,10 +66,48 @@ def test_a_robot_that_rests_is_pushed_like_any_other(world: World) -> None:
     assert pusher.state.left_load > 0.0
 
 
+def test_a_robot_that_stands_for_a_short_time_does_not_rest(world: World) -> None:
+    robot = add(world, "happy", 0.0)
+    for _ in range(3):
+        run(world, PARKED - 0.5)
+        assert not is_resting(robot)
+        robot.drive(0.1, 0.1)
+        run(world, 0.5)
+        robot.drive(0.0, 0.0)
+
+
+def test_a_robot_that_rests_feels_a_touch_in_the_same_step(world: World) -> None:
+    pusher, parked = add(world, "pusher", 0.0), add(world, "parked", 0.8)
+    run(world, PARKED + 0.5)
+    assert is_resting(parked)
+    pusher.drive(0.5, 0.5)
+    while not pusher.touched:
+        world.step()
+    assert parked.body_id in pusher.touched
+    assert pusher.body_id in parked.touched
+    assert not parked.is_resting
+
+
+def test_a_robot_that_leans_on_a_wall_goes_on_feeling_it() -> None:
+    wall = Block(1.0, 0.0, 0.0, 0.1, 2.0, 1.0)
+    with World(WorldSpec("wall", walls=(wall,)), seed=3) as world:
+        robot = add(world, "happy", 0.0)
+        robot.drive(0.3, 0.3)
+        while not robot.touched:
+            world.step()
+        robot.drive(0.0, 0.0)
+        run(world, PARKED + 0.5)
+        assert robot.is_resting != bool(robot.touched)
+        robot.drive(0.02, 0.02)
+        run(world, 1.0)
+        robot.drive(0.0, 0.0)
+        run(world, PARKED + 0.5)
+        assert robot.is_resting != bool(robot.touched)
+
+
 def test_a_robot_that_rests_can_be_put_elsewhere(world: World) -> None:
     robot = add(world, "happy", 0.0)
-    world.economise(people=False, parked=True)
-    run(world, 1.0)
+    run(world, PARKED + 0.5)
     world.place("happy", Pose2D(2.0, 1.0, 0.5))
     run(world, 1.0)
     assert (robot.pose.x, robot.pose.y, robot.pose.heading) == pytest.approx((2.0, 1.0, 0.5), abs=0.01)
@@ -78,9 +116,7 @@ def test_a_robot_that_rests_can_be_put_elsewhere(world: World) -> None:
 def test_an_arm_of_a_robot_that_rests_moves_when_it_is_told_to(world: World) -> None:
     robot = add(world, "happy", 0.0, Fit({"arm": "pioneer"}))
     assert robot.arm is not None
-    run(world, 2.0)
-    world.economise(people=False, parked=True)
-    run(world, 1.0)
+    run(world, PARKED + 0.5)
     was_resting = is_resting(robot)
     robot.arm.move(0, 0.5, 0.2)
     run(world, 4.0)
@@ -88,53 +124,24 @@ def test_an_arm_of_a_robot_that_rests_moves_when_it_is_told_to(world: World) -> 
     assert robot.arm.positions[0] == pytest.approx(0.5, abs=0.02)
 
 
-def test_all_is_computed_again_when_saving_ends(world: World) -> None:
-    robot = add(world, "happy", 0.0)
-    world.economise(people=False, parked=True)
-    run(world, 1.0)
-    world.economise(people=False, parked=False)
-    assert not is_resting(robot)
-    run(world, 5.0)
-    assert not robot.is_resting
-
-
 def test_people_stand_still_and_walk_on_from_there() -> None:
     with World(load_world("people-lab"), seed=1) as lab:
         run(lab, 1.0)
         assert lab.people()["Anna"].walks
-        lab.economise(people=True, parked=False)
+        lab.stop_people(True)
         stood = lab.people()["Anna"]
         assert not stood.walks
         run(lab, 2.0)
         assert lab.people()["Anna"] == stood
-        lab.economise(people=False, parked=False)
+        lab.stop_people(False)
         run(lab, 0.5)
         assert lab.people()["Anna"][:2] != stood[:2]
-
-
-def test_a_world_in_which_nothing_is_saved_is_the_same_to_the_bit() -> None:
-    def poses(saves: bool) -> list[Pose2D]:
-        with World(WorldSpec("empty"), seed=3) as world:
-            robot = add(world, "happy", 0.0)
-            add(world, "doc", 2.0)
-            if saves:
-                world.economise(people=False, parked=False)
-            robot.drive(0.2, 0.3)
-            found = []
-            for _ in range(20):
-                run(world, 0.1)
-                found.append(robot.pose)
-            return found
-
-    assert poses(saves=True) == poses(saves=False)
 
 
 def test_a_gripper_of_a_robot_that_rests_closes_when_it_is_told_to(world: World) -> None:
     robot = add(world, "happy", 0.0, Fit({"gripper": "pioneer"}))
     assert robot.gripper is not None
-    run(world, 1.0)
-    world.economise(people=False, parked=True)
-    run(world, 1.0)
+    run(world, PARKED + 0.5)
     was_resting = is_resting(robot)
     robot.gripper.drive(-1.0, 1.0)
     run(world, 4.0)
