@@ -30,7 +30,7 @@ EXTRAS = {
     "plots": _Extra(("matplotlib",), "pictures of drives and missions"),
     "vision": _Extra(("cv2",), "camera devices and the pixels of pictures"),
     "security": _Extra(("cryptography",), "a secure bus"),
-    "console": _Extra(("nicegui",), "the web console, which no command starts yet"),
+    "console": _Extra(("nicegui",), "pages in a browser"),
 }
 
 

@@ -1,0 +1,67 @@
+"""Settings of the application, from one file; `settings.toml` beside this module has all of them with their meaning."""
+
+import math
+from dataclasses import dataclass, fields
+from pathlib import Path
+
+import configs
+
+SETTINGS = Path(__file__).with_name("settings.toml")
+
+
+@dataclass(frozen=True, slots=True)
+class ImageTimes:
+    """How old and how large images may be."""
+
+    old_s: float
+    wait_s: float
+    linger_s: float
+    most_bytes: int
+
+
+@dataclass(frozen=True, slots=True)
+class ControlLimits:
+    """How a head is steered, and when it is not steered any more."""
+
+    silent_s: float
+    release_s: float
+    lease_s: float
+    step: float
+    zoom_step: float
+    look_s: float
+
+
+@dataclass(frozen=True, slots=True)
+class RemoteVisionSettings:
+    """All settings; each is described in `settings.toml`."""
+
+    images: ImageTimes
+    control: ControlLimits
+
+    @classmethod
+    def load(cls, file: str | Path | None = None) -> "RemoteVisionSettings":
+        """Return the shipped settings, with the changes of a file.
+
+        Raises:
+            ConfigError: The file cannot be read, or a setting is unknown or not valid.
+        """
+        table = configs.read(SETTINGS)
+        source = str(file or SETTINGS)
+        if file:
+            table = configs.laid_over(table, configs.read(file))
+        settings = configs.build(cls, table, source)
+        settings._check(source)
+        return settings
+
+    def _check(self, source: str) -> None:
+        for name, part in (("images", self.images), ("control", self.control)):
+            for each in fields(part):
+                value = getattr(part, each.name)
+                if not (math.isfinite(value) and value > 0.0):
+                    raise configs.ConfigError(f"{source}: {name}.{each.name} must be more than 0, not {value:g}")
+        if self.control.zoom_step <= 1.0:
+            raise configs.ConfigError(f"{source}: control.zoom_step must be more than 1")
+        if self.control.release_s < self.control.silent_s or self.control.silent_s <= self.images.wait_s:
+            raise configs.ConfigError(
+                f"{source}: the times must ascend: images.wait_s, then control.silent_s, then control.release_s"
+            )

@@ -1,0 +1,147 @@
+"""Images to browsers over websockets.
+
+The browser requests each image after it has drawn the one before, and gets the newest one there is. So at most one
+image is on its way to each viewer, the delay does not grow however slow the line is, and a viewer that reads nothing
+holds up no other. A reply is 4 bytes with the length of a JSON object (big-endian), the object, and the file of the
+image, as it came from the camera; without a new image it has no file.
+"""
+
+import asyncio
+import json
+import struct
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import ExitStack, contextmanager
+from typing import Any
+
+from starlette.websockets import WebSocket, WebSocketDisconnect
+
+from apps.remote_vision.settings import ImageTimes
+from apps.remote_vision.streams import NewestItem, SharedStreams, StreamItem
+from apps.remote_vision.viewing import ORIGINAL, Viewing, boxes
+
+LENGTH = struct.Struct(">I")
+UNKNOWN_TICKET = 4404
+"""Code with which a websocket is closed whose page this program does not know."""
+
+Words = Callable[[str, float], str]
+"""Returns why there is no image of a robot, by its name and the s of silence."""
+
+
+class ImageTransport:
+    """Serves the images of all viewings."""
+
+    def __init__(
+        self,
+        streams: SharedStreams,
+        viewings: Mapping[str, Viewing],
+        times: ImageTimes,
+        words: Words,
+        wall_time: Callable[[], float],
+    ) -> None:
+        """Prepare it.
+
+        Args:
+            streams: Of the images.
+            viewings: By ticket.
+            times: Settings.
+            words: Explains silence.
+            wall_time: The bus's clock, s since 1970, by which images are stamped.
+        """
+        self._streams = streams
+        self._viewings = viewings
+        self._times = times
+        self._words = words
+        self._wall_time = wall_time
+
+    async def serve(self, socket: WebSocket, ticket: str, place: str) -> None:
+        """Answer the requests of one websocket until it ends.
+
+        Args:
+            socket: Not accepted yet.
+            ticket: Of the viewing.
+            place: `original` or `result`.
+        """
+        await socket.accept()
+        viewing = self._viewings.get(ticket)
+        if viewing is None:
+            await socket.close(UNKNOWN_TICKET)
+            return
+        sent: tuple[str, int] = ("", 0)
+        with self._following(viewing, place) as following:
+            try:
+                while True:
+                    await socket.receive_text()
+                    if place == ORIGINAL:
+                        viewing.seen_at = asyncio.get_running_loop().time()
+                    head, item, sent = await self._reply(viewing, place, following(), sent)
+                    data = json.dumps(head).encode()
+                    image = item.image if item is not None else b""
+                    await socket.send_bytes(b"".join((LENGTH.pack(len(data)), data, image)))
+            except (WebSocketDisconnect, RuntimeError):  # RuntimeError: it has been closed while an image was awaited
+                return
+
+    async def _reply(
+        self, viewing: Viewing, place: str, streams: list[NewestItem], sent: tuple[str, int]
+    ) -> tuple[dict[str, Any], StreamItem | None, tuple[str, int]]:
+        """Wait for a newer image; return the head of the reply, the item, and what has been sent by then."""
+        begun = asyncio.get_running_loop().time()
+        item = None
+        if streams:
+            stream, *others = streams
+            than = sent[1] if sent[0] == stream.key else 0
+            item = await stream.newer(than, self._times.wait_s)
+        else:
+            await asyncio.sleep(self._times.wait_s)
+        head: dict[str, Any] = {"waited": round(asyncio.get_running_loop().time() - begun, 4), "words": ""}
+        if item is None:
+            head["is_empty"] = not streams
+            if streams:
+                head["words"] = self._words(viewing.robot, stream.silence)
+            return head, None, sent
+        if len(item.image) > self._times.most_bytes:
+            size, most = len(item.image) / 1e6, self._times.most_bytes / 1e6
+            head["words"] = f"an image of {size:.1f} MB is not sent; at most {most:.1f} MB"
+            return head, None, (stream.key, item.number)
+        viewing.shown[place] = item
+        head |= {"number": item.number, "format": item.format, "words": item.trouble}
+        if item.stamp is not None:
+            head |= {"stamp": item.stamp, "age": round(self._wall_time() - item.stamp, 4)}
+        if item.values is not None:
+            head["numbers"] = item.values.get("numbers")
+        head["boxes"] = [box for other in others if other.item for box in boxes(_source(other.key), other.item.values)]
+        return head, item, (stream.key, item.number)
+
+    @contextmanager
+    def _following(self, viewing: Viewing, place: str) -> Iterator[Callable[[], list[NewestItem]]]:
+        """Give a function that returns the streams of a place: its image first, then overlays. They may change."""
+        open_now: dict[str, ExitStack] = {}
+        streams: dict[str, NewestItem] = {}
+
+        def current() -> list[NewestItem]:
+            wanted = wanted_keys(viewing, place)
+            for key in set(open_now) - set(wanted):
+                open_now.pop(key).close()
+                del streams[key]
+            for key in wanted:
+                if key not in open_now:
+                    open_now[key] = ExitStack()
+                    streams[key] = open_now[key].enter_context(self._streams.following(key))
+            return [streams[key] for key in wanted]
+
+        try:
+            yield current
+        finally:
+            for each in open_now.values():
+                each.close()
+
+
+def wanted_keys(viewing: Viewing, place: str) -> list[str]:
+    """Return the keys that a place needs: that of its image first, then those of the overlays."""
+    if not (key := viewing.keys.get(place)):
+        return []
+    overlays = sorted(viewing.overlays) if place == ORIGINAL else []
+    return [key, *(f"{viewing.robot}/agents/{agent}/results" for agent in overlays)]
+
+
+def _source(key: str) -> str:
+    return key.split("/")[-2]
