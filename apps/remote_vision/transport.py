@@ -9,22 +9,23 @@ image, as it came from the camera; without a new image it has no file.
 import asyncio
 import json
 import struct
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from typing import Any
 
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
+from agents.platform import AgentName
 from apps.remote_vision.settings import ImageTimes
 from apps.remote_vision.streams import NewestItem, SharedStreams, StreamItem
-from apps.remote_vision.viewing import ORIGINAL, Viewing, boxes
+from apps.remote_vision.viewing import ORIGINAL, RESULT, VISION, Viewing, boxes
 
 LENGTH = struct.Struct(">I")
 UNKNOWN_TICKET = 4404
 """Code with which a websocket is closed whose page this program does not know."""
 
-Words = Callable[[str, float], str]
-"""Returns why there is no image of a robot, by its name and the s of silence."""
+Words = Callable[[Viewing, str, float], str]
+"""Returns why a place of a viewing has no new image, after so many s."""
 
 
 class ImageTransport:
@@ -72,13 +73,16 @@ class ImageTransport:
                 while True:
                     await socket.receive_text()
                     if place == ORIGINAL:
-                        viewing.seen_at = asyncio.get_running_loop().time()
+                        viewing.seen_at, viewing.is_open = asyncio.get_running_loop().time(), True
                     head, item, sent = await self._reply(viewing, place, following(), sent)
                     data = json.dumps(head).encode()
                     image = item.image if item is not None else b""
                     await socket.send_bytes(b"".join((LENGTH.pack(len(data)), data, image)))
             except (WebSocketDisconnect, RuntimeError):  # RuntimeError: it has been closed while an image was awaited
                 return
+            finally:
+                if place == ORIGINAL:
+                    viewing.is_open = False
 
     async def _reply(
         self, viewing: Viewing, place: str, streams: list[NewestItem], sent: tuple[str, int]
@@ -96,7 +100,8 @@ class ImageTransport:
         if item is None:
             head["is_empty"] = not streams
             if streams:
-                head["words"] = self._words(viewing.robot, stream.silence)
+                reason = result_trouble(stream.key, others) if place == RESULT else ""
+                head["words"] = reason or self._words(viewing, place, stream.silence)
             return head, None, sent
         if len(item.image) > self._times.most_bytes:
             size, most = len(item.image) / 1e6, self._times.most_bytes / 1e6
@@ -108,7 +113,10 @@ class ImageTransport:
             head |= {"stamp": item.stamp, "age": round(self._wall_time() - item.stamp, 4)}
         if item.values is not None:
             head["numbers"] = item.values.get("numbers")
-        head["boxes"] = [box for other in others if other.item for box in boxes(_source(other.key), other.item.values)]
+        if place == ORIGINAL:
+            head["boxes"] = [
+                box for other in others if other.item for box in boxes(_source(other.key), other.item.values)
+            ]
         return head, item, (stream.key, item.number)
 
     @contextmanager
@@ -136,11 +144,21 @@ class ImageTransport:
 
 
 def wanted_keys(viewing: Viewing, place: str) -> list[str]:
-    """Return the keys that a place needs: that of its image first, then those of the overlays."""
+    """Return the keys that a place needs: that of its image first, then those of overlays or of the vision agent."""
     if not (key := viewing.keys.get(place)):
         return []
-    overlays = sorted(viewing.overlays) if place == ORIGINAL else []
-    return [key, *(f"{viewing.robot}/agents/{agent}/results" for agent in overlays)]
+    beside = sorted(viewing.overlays) if place == ORIGINAL else [VISION]
+    return [key, *(AgentName(agent, viewing.robot).results_key for agent in beside)]
+
+
+def result_trouble(key: str, streams: Sequence[NewestItem]) -> str:
+    """Return what the vision agent reports of the stream of a result; empty for nothing."""
+    for stream in streams:
+        values = stream.item.values if stream.item is not None else None
+        match values:
+            case {"streams": dict(troubles)} if isinstance(troubles.get(key), str):
+                return str(troubles[key])
+    return ""
 
 
 def _source(key: str) -> str:

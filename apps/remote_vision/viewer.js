@@ -105,6 +105,7 @@ export default {
       if (canvas.width !== Math.round(image.width * scale) || canvas.height !== Math.round(image.height * scale)) {
         canvas.width = Math.round(image.width * scale);
         canvas.height = Math.round(image.height * scale);
+        canvas.style.setProperty("--rv-ratio", image.width / image.height);
       }
       const pen = canvas.getContext("2d");
       pen.drawImage(image, 0, 0, canvas.width, canvas.height);
@@ -129,11 +130,11 @@ export default {
     },
     drawNumbers(numbers) {
       const canvas = this.$refs.canvas;
-      [canvas.width, canvas.height] = [512, 256];
+      [canvas.width, canvas.height] = [512, 384];
       const pen = canvas.getContext("2d");
       pen.fillStyle = "#fff";
       pen.fillRect(0, 0, canvas.width, canvas.height);
-      const rows = Object.entries(numbers).filter(([, row]) => Array.isArray(row) && row.length);
+      const rows = Object.entries(numbers).filter(([name]) => name !== "from");
       const most = Math.max(1, ...rows.flatMap(([, row]) => row));
       const colours = { blue: "#1f5fd6", green: "#17803d", red: "#c62828" };
       for (const [name, row] of rows) {

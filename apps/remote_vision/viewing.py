@@ -1,15 +1,20 @@
 """The state of one viewing: a page in a browser, what it shows, and since when it has been silent. Pure."""
 
+from collections import deque
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from apps.remote_vision.operations import OperationChoice
 from apps.remote_vision.streams import StreamItem
 
 ORIGINAL, RESULT = "original", "result"
 """The two images of a page: that of the camera, and the result of an operation."""
 COLOURS, MOTION = "colours", "motion"
 """The agents whose blobs are drawn over the image."""
+VISION = "vision"
+"""The agent of the operations."""
+MOST_OUTCOMES = 30
 
 
 @dataclass(slots=True)
@@ -17,18 +22,28 @@ class Viewing:
     """One page.
 
     ticket: secret part of the addresses of its images. name: for people. robot: whose camera is shown; empty for none.
-    keys: of the streams shown, by place; a place without a key shows nothing. overlays: the agents whose blobs are
-    drawn. seen_at: s of the loop's time of the latest request for an image of the camera. shown: the latest item of
-    each place that was sent.
+    keys: of the streams shown, by place; a place without a key shows nothing. choice: of an operation. overlays: the
+    agents whose blobs are drawn. seen_at: s of the loop's time of the latest request for an image of the camera.
+    is_open: whether the browser is connected for these. shown: the latest item of each place that was sent. outcomes:
+    of the latest commands, the newest first: time of the day and words. outcome_count: of all of them.
     """
 
     ticket: str
     name: str
     robot: str = ""
     keys: dict[str, str] = field(default_factory=dict)
+    choice: OperationChoice = field(default_factory=OperationChoice)
     overlays: set[str] = field(default_factory=set)
     seen_at: float = 0.0
+    is_open: bool = True
     shown: dict[str, StreamItem] = field(default_factory=dict)
+    outcomes: deque[tuple[str, str]] = field(default_factory=lambda: deque(maxlen=MOST_OUTCOMES))
+    outcome_count: int = 0
+
+    def tell(self, clock: str, words: str) -> None:
+        """Note what has happened, at a time of the day."""
+        self.outcomes.appendleft((clock, words))
+        self.outcome_count += 1
 
     def silence(self, now: float) -> float:
         """Return the s since the browser last asked for an image of the camera."""
