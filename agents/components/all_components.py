@@ -23,6 +23,7 @@ from agents.components.sensors import (
 )
 from agents.components.vision.colours_agent import ColoursAgent
 from agents.components.vision.flow_agent import FlowAgent
+from agents.components.vision.motion_agent import MotionAgent
 from agents.components.vision.vision_agent import VisionAgent
 
 COMPONENTS: Mapping[str, type[ElementAgent]] = {
@@ -43,7 +44,7 @@ COMPONENTS: Mapping[str, type[ElementAgent]] = {
 }
 """By the element's name in the robot's description."""
 DERIVED: Mapping[str, Mapping[str, type[ElementAgent]]] = {
-    "camera": {"vision": VisionAgent, "colours": ColoursAgent, "flow": FlowAgent},
+    "camera": {"vision": VisionAgent, "colours": ColoursAgent, "flow": FlowAgent, "motion": MotionAgent},
 }
 """By the element's name: further agents by their names, which live as long as it is there."""
 _CLASSES = ChainMap(dict(COMPONENTS), *map(dict, DERIVED.values()))

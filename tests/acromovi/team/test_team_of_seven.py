@@ -29,7 +29,7 @@ from tests.waiting import end_of, wait_until
 EVERY = {"base", "sonar", "battery", "io", "sound", "servos"}
 """What every controller of these robots has: wheels, the sonar on it, and its own ports."""
 PIONEER = EVERY | {"gripper"}
-IMAGES = {"camera", "vision", "colours", "flow"}
+IMAGES = {"camera", "vision", "colours", "flow", "motion"}
 AGENTS: Mapping[str, set[str]] = {
     "max": EVERY | {"bumpers", "ir", "arm", "power", "charger"},
     "happy": PIONEER | {"laser"},
