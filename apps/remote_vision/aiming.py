@@ -5,7 +5,7 @@ Angles as on the bus: rad, pan to the left, tilt up; zoom is the magnification, 
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from math import atan, atan2, cos, hypot, isfinite, pi, sin
+from math import asin, atan, atan2, cos, hypot, isfinite, pi, sin
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:  # it loads OpenCV
@@ -112,9 +112,10 @@ def dragged(start: HeadPlace, model: "PinholeModel", taken: tuple[float, float],
         to: Where it is to be, px.
     """
     azimuth, elevation = _direction(start.tilt, _ray(model, taken))
-    aim = _ray(model, to)
-    _, above = _direction(start.tilt, aim)
-    tilt = start.tilt + elevation - above
+    left, up = aim = _ray(model, to)
+    # The elevation of a ray is that of its end: |ray| sin(elevation) = hypot(1, up) sin(tilt + atan(up)).
+    rise = sin(elevation) * hypot(1.0, left, up) / hypot(1.0, up)
+    tilt = asin(min(max(rise, -1.0), 1.0)) - atan(up)
     beside, _ = _direction(tilt, aim)
     return HeadPlace(start.pan + azimuth - beside, tilt, start.zoom)
 

@@ -20,7 +20,8 @@ from apps.remote_vision.viewing import Viewing
 from bus import BusError
 
 _PAUSE = 0.2  # s between two requests while the target changes: the head's line is slow
-_STOP_TIME = 2.0  # s for the answer to a stop
+_STOP_TIME = 6.0  # s until a head that was stopped has reported that it stands
+_HEAD_START = 0.3  # s that a stop has before the lease is released, which stops the head too
 
 Say = Callable[[Viewing, str], None]
 """Shows a viewer what has happened, a sentence."""
@@ -52,6 +53,7 @@ class HeadControl:
         self._target: Mapping[str, float] | None = None
         self._has_target = asyncio.Event()
         self._sending: asyncio.Task[None] | None = None
+        self._halting: asyncio.Task[Outcome] | None = None  # the loop itself keeps no task alive
         self._is_stopped = False  # since the controller is silent
 
     async def take(self, viewing: Viewing) -> None:
@@ -78,7 +80,7 @@ class HeadControl:
             holder, self.holder = self.holder, None
             if holder is None:
                 return
-            await self._halt()
+            await asyncio.wait({self._halt()}, timeout=_HEAD_START)
             self._lease = None
             await self._letting_go.aclose()
             self._letting_go = AsyncExitStack()
@@ -119,7 +121,7 @@ class HeadControl:
         is_silent = not holder.is_open or silence > self._limits.silent_s
         if is_silent and not self._is_stopped:
             self._is_stopped = True
-            await self._halt()
+            self._halt()
         elif not is_silent:
             self._is_stopped = False
         if silence > self._limits.release_s:
@@ -128,6 +130,10 @@ class HeadControl:
     async def close(self) -> None:
         """Stop the head and release the lease at the end of the program."""
         await self.release("the program ends")
+        left = [task for task in (self._sending, self._halting) if task is not None and not task.done()]
+        for task in left:
+            task.cancel()
+        await asyncio.gather(*left, return_exceptions=True)
 
     def _may_steer(self, viewing: Viewing) -> bool:
         if self.holder is not viewing:
@@ -162,10 +168,11 @@ class HeadControl:
         elif "replaced" not in outcome.why or outcome.ending is Ending.REFUSED:
             self._say(viewing, f"head: {outcome.ending}: {outcome.why}")
 
-    async def _halt(self) -> Outcome:
-        """Stop the head, and forget what is not done yet."""
+    def _halt(self) -> "asyncio.Task[Outcome]":
+        """Stop the head, and forget what is not done yet; the outcome comes when it stands."""
         self._target = None
-        return await self._request("stop", _STOP_TIME)
+        self._halting = asyncio.ensure_future(self._request("stop", _STOP_TIME))
+        return self._halting
 
     async def _request(self, name: str, within: float, **arguments: Any) -> Outcome:
         if self._lease is not None and self._lease.token:

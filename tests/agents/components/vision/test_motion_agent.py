@@ -34,9 +34,9 @@ async def results(at: Desk, *images: np.ndarray) -> list[dict[str, Any]]:
     await at.until(lambda: at.is_watched)
     found = []
     for image in images:
-        count = len(heard)
+        heard.clear()
         at.show(image)
-        await at.until(lambda count=count: len(heard) > count)
+        await at.until(lambda: heard)
         found.append(heard[-1].decoded())
     return found
 
