@@ -37,6 +37,7 @@ GROUPS = {
     "missions": "three hundred missions of the indoor navigation in lockstep; writes missions.md and pictures",
     "formation": "formations of three to five robots in lockstep; writes formation.md and pictures",
     "vision": "colours, target and time to contact in drawn images, and the delay of the vision agents",
+    "remote_vision": "age of an image when the browser has drawn it: over loopback, and with delay and loss",
     "flood": "how soon an e-stop is obeyed while other programs flood the gateway",
     "recovery": "how soon a gateway is received again after it or its subscriber was frozen",
     "soak": "memory, threads and descriptors of a team while sessions join and leave; writes soak.csv",

@@ -72,7 +72,7 @@ async def serve(
                 await program.transport.serve(websocket, ticket, place)
 
             build_page(program, robot)
-            ui.run_with(app, title="Remote vision", show_welcome_message=False, reconnect_timeout=2.0, tailwind=False)
+            ui.run_with(app, title="Remote vision", show_welcome_message=False, reconnect_timeout=5.0, tailwind=False)
             protected = SameOrigin(app, served_names(host))
             config = uvicorn.Config(
                 protected,
