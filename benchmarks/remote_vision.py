@@ -56,7 +56,7 @@ def measure(options: argparse.Namespace) -> list[Figure]:
         try:
             near = _delays(browser.new_page(), port)
             with _Line(port) as line:
-                far = _delays(browser.new_page(), line.port)
+                far = _delays(browser.new_page(), line.port, line)
         finally:
             browser.close()
     what = "camera to drawn in the browser, 320x240 at 15 Hz"
@@ -73,10 +73,12 @@ def measure(options: argparse.Namespace) -> list[Figure]:
     ]
 
 
-def _delays(page: Page, port: int) -> list[float]:
-    """Milliseconds from the exposure of each image that is drawn until then."""
+def _delays(page: Page, port: int, line: "_Line | None" = None) -> list[float]:
+    """Milliseconds from the exposure of each image that is drawn until then; a line loses once the page is loaded."""
     page.goto(f"http://127.0.0.1:{port}/")
     page.wait_for_selector(".rv-viewer")
+    if line is not None:
+        line.loss = LOSS
     page.wait_for_timeout(SETTLE * 1e3)
     page.evaluate(LISTEN)
     page.wait_for_timeout(SECONDS * 1e3)
@@ -132,7 +134,7 @@ def _page_server() -> Iterator[int]:
 
 
 class _Line:
-    """A TCP relay with delay and loss.
+    """A TCP relay with delay and loss. port: where it listens. loss: part of the segments.
 
     What TCP makes of loss is computed: a lost segment arrives later, and so does all that follows it on the same
     connection. The sender notices at once if three segments follow (fast retransmission, one way there and back), and
@@ -145,6 +147,7 @@ class _Line:
         self._loop = asyncio.new_event_loop()
         self._thread = threading.Thread(target=self._loop.run_forever)
         self.port = 0
+        self.loss = 0.0
 
     def __enter__(self) -> "_Line":
         self._thread.start()
@@ -152,12 +155,20 @@ class _Line:
         return self
 
     def __exit__(self, *error: object) -> None:
+        asyncio.run_coroutine_threadsafe(self._leave(), self._loop).result()
         self._loop.call_soon_threadsafe(self._loop.stop)
         self._thread.join()
 
     async def _listen(self) -> int:
         self._server = await asyncio.start_server(self._join, "127.0.0.1", 0)
         return int(self._server.sockets[0].getsockname()[1])
+
+    async def _leave(self) -> None:
+        self._server.close()
+        left = asyncio.all_tasks() - {asyncio.current_task()}
+        for task in left:
+            task.cancel()
+        await asyncio.gather(*left, return_exceptions=True)
 
     async def _join(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         there, back = await asyncio.open_connection("127.0.0.1", self._target)
@@ -171,12 +182,17 @@ class _Line:
             for number in range(count):
                 clear = max(clear, self._loop.time() + DELAY + self._retransmission(count - number - 1))
                 segment = data[number * SEGMENT : (number + 1) * SEGMENT]
-                self._loop.call_at(clear, writer.write, segment)
+                self._loop.call_at(clear, _write, writer, segment)
         self._loop.call_at(max(clear, self._loop.time() + DELAY), writer.close)
 
     def _retransmission(self, followers: int) -> float:
         """Seconds by which a segment is late by loss; followers: segments sent after it at once."""
         late = 0.0
-        while self._rng.random() < LOSS:
+        while self._rng.random() < self.loss:
             late += 2.0 * DELAY + (0.0 if followers >= 3 else RETRANSMISSION)
         return late
+
+
+def _write(writer: asyncio.StreamWriter, segment: bytes) -> None:
+    if not writer.is_closing():
+        writer.write(segment)

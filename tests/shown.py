@@ -29,6 +29,7 @@ ELSEWHERE = {
     "acromovi promote formation leader=happy followers=doc,grumpy starts=my-team.toml": FORMATION,
     "acromovi ask formation@apps shape shape=line": FORMATION,
     "acromovi ask formation@apps status": FORMATION,
+    "acromovi remote-vision happy": "tests/apps/remote_vision, on any free port",
     "acromovi teleop happy": "tests/acromovi/test_teleop.py",
     "acromovi container --services acromovi": IN_TERMINALS,
     "acromovi wire /dev/ttyUSB0 --listen /tmp/tapped": "tests/acromovi/test_wire.py",
