@@ -6,7 +6,8 @@ import time
 from contextlib import AsyncExitStack
 from typing import Any, Self
 
-from agents.platform import Agent, Outcome
+from agents.platform import Agent, AgentError, Ending, Outcome
+from agents.platform.errors import in_words
 from apps.remote_vision.aiming import HeadPlace
 from apps.remote_vision.cameras import CAMERA, HEAD, TeamCameras
 from apps.remote_vision.operations import OperationChoice
@@ -15,7 +16,7 @@ from apps.remote_vision.steering import HeadControl
 from apps.remote_vision.streams import SharedStreams
 from apps.remote_vision.transport import ImageTransport
 from apps.remote_vision.viewing import ORIGINAL, RESULT, VISION, Viewing
-from bus import keys
+from bus import BusError, keys
 
 _PATIENCE = 10.0  # s for a request to a vision agent
 _CHECK = 0.1  # s between two looks at who steers
@@ -118,8 +119,11 @@ class RemoteVision:
         viewing.shown.pop(RESULT, None)
 
     async def ask(self, robot: str, agent: str, request: str, **arguments: Any) -> Outcome:
-        """Have an agent of a robot do something."""
-        return await self.agent.request(f"{agent}@{robot}", request, reply_within=_PATIENCE, **arguments)
+        """Have an agent of a robot do something; what prevents the request is an outcome as well."""
+        try:
+            return await self.agent.request(f"{agent}@{robot}", request, reply_within=_PATIENCE, **arguments)
+        except (AgentError, BusError) as err:  # arguments that are too large for a message, or a bus that is closed
+            return Outcome(Ending.FAILED, why=in_words(err))
 
     def say(self, viewing: Viewing, words: str) -> None:
         """Show a viewer what has happened."""

@@ -114,6 +114,7 @@ class ImageTransport:
         if item.values is not None:
             head["numbers"] = item.values.get("numbers")
         if place == ORIGINAL:
+            head["words"] = item.trouble or overlay_trouble(others)
             head["boxes"] = [
                 box for other in others if other.item for box in boxes(_source(other.key), other.item.values)
             ]
@@ -149,6 +150,14 @@ def wanted_keys(viewing: Viewing, place: str) -> list[str]:
         return []
     beside = sorted(viewing.overlays) if place == ORIGINAL else [VISION]
     return [key, *(AgentName(agent, viewing.robot).results_key for agent in beside)]
+
+
+def overlay_trouble(streams: Sequence[NewestItem]) -> str:
+    """Return what an agent whose blobs are drawn reports of the image; empty for nothing."""
+    for stream in streams:
+        if stream.item is not None and stream.item.trouble:
+            return f"{_source(stream.key)}: {stream.item.trouble}"
+    return ""
 
 
 def result_trouble(key: str, streams: Sequence[NewestItem]) -> str:

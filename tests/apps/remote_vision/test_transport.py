@@ -238,6 +238,10 @@ def test_blobs_come_with_the_image_while_their_overlay_is_chosen() -> None:
         await settle()
         (box,) = (await socket.next())[0]["boxes"]
         assert (box["label"], box["left"], box["bottom"]) == ("channel 7", 1, 4)
+        room.bus.put("happy/agents/colours/results", {"trouble": "the image is black"})
+        room.show()
+        await settle()
+        assert (await socket.next())[0]["words"] == "colours: the image is black"
         room.viewing.overlays = set()
         room.show()
         await settle()
