@@ -65,7 +65,8 @@ def shape(data: bytes) -> tuple[int, ...]:
     """Height and width of a file in px, and 3 for a colour image."""
     decoded = cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED)
     assert decoded is not None, "the file is damaged"
-    return decoded.shape
+    height, width, *colours = decoded.shape
+    return height, width, *colours
 
 
 class BrowserEnd:
