@@ -27,6 +27,7 @@ class OperationsPanel:
         self._program = program
         self._viewing = viewing
         self._image = image
+        self._known_of = ""  # the robot whose operations are known
         self._operations: dict[str, dict[str, Any]] = {}
         self._chains: dict[str, Any] = {}
         self._fields: dict[str, ValueElement[Any]] = {}
@@ -39,6 +40,12 @@ class OperationsPanel:
             with ui.row().classes("rv-row"):
                 self._name = ui.input("Save as").props("dense").classes("rv-name")
                 self._save = ui.button("Save chain", on_click=self._save_chain).props("outline dense no-caps")
+
+    @property
+    def is_known(self) -> bool:
+        """Whether the agent has answered since this camera was chosen, or is not there."""
+        robot = self._viewing.robot
+        return self._known_of == robot or not self._program.team.has(robot, VISION)
 
     async def refresh(self) -> None:
         """Read the operations and the saved chains of the robot's vision agent."""
@@ -53,6 +60,7 @@ class OperationsPanel:
         if not operations.is_done:
             self._purpose.text = f"the operations of vision@{robot} are not known: {operations.why}"
             return
+        self._known_of = robot
         self._operations = {each["name"]: each for each in operations.result["operations"]}
         self._chains = chains.result["chains"] if chains.is_done else {}
         names = {_NONE: "none", **{name: name for name in self._operations}}

@@ -14,6 +14,7 @@ from apps.remote_vision.viewer import ImageViewer
 from apps.remote_vision.viewing import COLOURS, MOTION, ORIGINAL, RESULT, Viewing
 
 _REFRESH = 0.3  # s between two looks at what has changed
+_ASK = 1.0  # s between two looks whether agents are to be asked; asking takes long if one does not answer
 _STYLE = Path(__file__).with_name("page.css")
 
 
@@ -43,6 +44,7 @@ class VisionPage:
         self._program = program
         self._viewing = viewing
         self._seen = (-1, -1)  # changes of the team, and outcomes, that are shown
+        self._asked = -1  # changes of the team, after which the agents were asked
         old = program.settings.images.old_s
         with ui.row().classes("rv-header"):
             ui.label("Remote vision").classes("rv-title")
@@ -70,14 +72,21 @@ class VisionPage:
                 ui.label("Outcomes").classes("rv-heading")
                 self._log = ui.element("ol").classes("rv-log").props('aria-live="polite"')
         ui.timer(_REFRESH, self._refresh)
+        ui.timer(_ASK, self._ask_agents)
 
-    async def _refresh(self) -> None:
+    async def _ask_agents(self) -> None:
+        """Ask the vision agents what they offer, after a change of the team and until they have answered."""
+        changes = self._program.team.changes
+        if changes != self._asked or not self._operations.is_known:
+            self._asked = changes
+            await self._operations.refresh()
+            await self._colours.refresh()
+
+    def _refresh(self) -> None:
         """Show what has changed since the last time."""
         seen = self._program.team.changes, self._viewing.outcome_count
         if seen[0] != self._seen[0]:
             self._show_team()
-            await self._operations.refresh()
-            await self._colours.refresh()
         if seen[1] != self._seen[1]:
             self._show_outcomes()
         self._seen = seen
@@ -109,7 +118,7 @@ class VisionPage:
         self._original.rename(robot)
         self._result.rename("no operation")
         self._program.say(self._viewing, f"camera of {robot} chosen")
-        self._seen = (-1, -1)
+        self._seen, self._asked = (-1, -1), -1
 
     def _lay_over(self) -> None:
         self._viewing.overlays = {agent for agent, box in self._overlays.items() if box.value}

@@ -68,12 +68,13 @@ class ImageTransport:
             await socket.close(UNKNOWN_TICKET)
             return
         sent: tuple[str, int] = ("", 0)
+        viewing.sockets += place == ORIGINAL
         with self._following(viewing, place) as following:
             try:
                 while True:
                     await socket.receive_text()
                     if place == ORIGINAL:
-                        viewing.seen_at, viewing.is_open = asyncio.get_running_loop().time(), True
+                        viewing.seen_at = asyncio.get_running_loop().time()
                     head, item, sent = await self._reply(viewing, place, following(), sent)
                     data = json.dumps(head).encode()
                     image = item.image if item is not None else b""
@@ -81,8 +82,7 @@ class ImageTransport:
             except (WebSocketDisconnect, RuntimeError):  # RuntimeError: it has been closed while an image was awaited
                 return
             finally:
-                if place == ORIGINAL:
-                    viewing.is_open = False
+                viewing.sockets -= place == ORIGINAL
 
     async def _reply(
         self, viewing: Viewing, place: str, streams: list[NewestItem], sent: tuple[str, int]

@@ -24,7 +24,7 @@ class Viewing:
     ticket: secret part of the addresses of its images. name: for people. robot: whose camera is shown; empty for none.
     keys: of the streams shown, by place; a place without a key shows nothing. choice: of an operation. overlays: the
     agents whose blobs are drawn. seen_at: s of the loop's time of the latest request for an image of the camera.
-    is_open: whether the browser is connected for these. shown: the latest item of each place that was sent. outcomes:
+    sockets: of the browser, by which it requests these. shown: the latest item of each place that was sent. outcomes:
     of the latest commands, the newest first: time of the day and words. outcome_count: of all of them.
     """
 
@@ -35,7 +35,7 @@ class Viewing:
     choice: OperationChoice = field(default_factory=OperationChoice)
     overlays: set[str] = field(default_factory=set)
     seen_at: float = 0.0
-    is_open: bool = True
+    sockets: int = 0
     shown: dict[str, StreamItem] = field(default_factory=dict)
     outcomes: deque[tuple[str, str]] = field(default_factory=lambda: deque(maxlen=MOST_OUTCOMES))
     outcome_count: int = 0
@@ -44,6 +44,11 @@ class Viewing:
         """Note what has happened, at a time of the day."""
         self.outcomes.appendleft((clock, words))
         self.outcome_count += 1
+
+    @property
+    def is_open(self) -> bool:
+        """Whether the browser is connected for images of the camera."""
+        return self.sockets > 0
 
     def silence(self, now: float) -> float:
         """Return the s since the browser last asked for an image of the camera."""

@@ -22,7 +22,7 @@ class Page:
     def __init__(self, lab: "Lab") -> None:
         self.lab = lab
         self.said: list[tuple[str, str]] = []
-        self.anna, self.bert = Viewing("a", "anna"), Viewing("b", "bert")
+        self.anna, self.bert = Viewing("a", "anna", sockets=1), Viewing("b", "bert", sockets=1)
         self.control = lab.do(self._made())
         self.watching = {self.anna.name, self.bert.name}
 
@@ -132,7 +132,7 @@ def test_a_controller_whose_browser_is_closed_stops_the_head(page: Page) -> None
     page.take(page.anna)
     page.look(page.anna, pan=1.6)
     page.run(0.5)
-    page.anna.is_open = False
+    page.anna.sockets = 0
     page.run(1.0)
     assert page.is_at_rest()
     assert page.pan < 0.5

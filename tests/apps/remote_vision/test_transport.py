@@ -178,6 +178,7 @@ def test_a_camera_is_watched_only_while_a_viewer_looks() -> None:
         await first.next()
         await second.next()
         assert room.streams.keys == [KEY]
+        assert room.viewing.sockets == 2
         for socket in (first, second):
             socket.ask(is_open=False)
         await asyncio.gather(*servings)
