@@ -35,6 +35,7 @@ class RemoteVision:
         self.viewings: dict[str, Viewing] = {}
         self._heads: dict[str, HeadControl] = {}
         self._places: dict[str, HeadPlace] = {}
+        self._requests: set[asyncio.Task[None]] = set()
         self._count = 0
         self._open = AsyncExitStack()
 
@@ -44,11 +45,12 @@ class RemoteVision:
         self.transport = ImageTransport(
             self.streams, self.viewings, self.settings.images, self._words, self.agent.home.wall_time
         )
-        self._checking = asyncio.ensure_future(self._check())
+        self._tasks = [asyncio.ensure_future(self._follow_results())]
         return self
 
     async def __aexit__(self, *error: object) -> None:
-        self._checking.cancel()
+        for task in (*self._tasks, *self._requests):
+            task.cancel()
         await asyncio.gather(*(head.close() for head in self._heads.values()), return_exceptions=True)
         await self._open.aclose()
 
@@ -84,6 +86,7 @@ class RemoteVision:
         """Return the control of a robot's head."""
         if robot not in self._heads:
             self._heads[robot] = HeadControl(self.agent, robot, self.settings.control, self.say)
+            self._tasks.append(asyncio.ensure_future(self._watch(self._heads[robot])))
             self.agent.listen(f"{robot}/agents/{HEAD}/results", lambda result: self._hear_head(robot, result))
         return self._heads[robot]
 
@@ -142,20 +145,31 @@ class RemoteVision:
         elif is_new:
             self.say(viewing, f"{choice.name}: {outcome.why}")
 
-    async def _check(self) -> None:
-        """Look after controllers and results, again and again."""
+    async def _watch(self, head: HeadControl) -> None:
+        """Look after the controller of a head, again and again. An error ends one look, and never the watch."""
+        loop = asyncio.get_running_loop()
+        while True:
+            await asyncio.sleep(_CHECK)
+            try:
+                await head.check(loop.time())
+            except Exception as err:  # whatever it is, a silent controller must still be noticed
+                self.agent.home.report(self.agent.name, f"the controller of the head of {head.robot}", err)
+
+    async def _follow_results(self) -> None:
+        """Request streams of results again that have ended, since their agent was restarted."""
         loop = asyncio.get_running_loop()
         while True:
             await asyncio.sleep(_CHECK)
             now = loop.time()
-            await asyncio.gather(*(head.check(now) for head in self._heads.values()))
             for viewing in list(self.viewings.values()):
                 choice, shown = viewing.choice, viewing.shown.get(RESULT)
                 is_missing = shown is None or now - shown.at > _RETURN
                 if choice.name and is_missing and viewing.is_open and now - choice.requested_at > _RETURN:
                     choice.requested_at = now
                     if self.team.has(viewing.robot, VISION):
-                        asyncio.ensure_future(self._request_result(viewing))  # noqa: RUF006  # ends by its own timeout
+                        request = asyncio.ensure_future(self._request_result(viewing))
+                        self._requests.add(request)  # the loop itself keeps no task alive
+                        request.add_done_callback(self._requests.discard)
 
     async def _hear_head(self, robot: str, result: dict[str, Any]) -> None:
         if (place := HeadPlace.from_result(result)) is not None:

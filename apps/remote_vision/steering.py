@@ -82,8 +82,8 @@ class HeadControl:
                 return
             await asyncio.wait({self._halt()}, timeout=_HEAD_START)
             self._lease = None
-            await self._letting_go.aclose()
-            self._letting_go = AsyncExitStack()
+            letting_go, self._letting_go = self._letting_go, AsyncExitStack()
+            await letting_go.aclose()
             self._say(holder, f"you do not steer the head of {self.robot} any more: {why}")
 
     def look(self, viewing: Viewing, place: Mapping[str, float]) -> None:
