@@ -27,6 +27,8 @@ WATCH = """() => {
     }
 }"""
 """Notes each image that is drawn: its place, number, stamp, and when it was drawn, s since 1970."""
+SMALL = {"width": 760, "height": 560}
+"""Of the window, px: what is drawn is drawn by the processor."""
 ENOUGH = "([since, place, count]) => window.drawn.slice(since).filter((each) => each.place === place).length >= count"
 
 
@@ -63,7 +65,7 @@ class Viewer:
     """A page that has been opened. requested: the addresses of all that it has asked for."""
 
     def __init__(self, browser: Browser, address: str, **options: Any) -> None:
-        self.context = browser.new_context(**{"viewport": {"width": 1280, "height": 1100}, **options})
+        self.context = browser.new_context(**{"viewport": SMALL, **options})
         self.page: Page = self.context.new_page()
         self.page.set_default_timeout(patience() * 1e3)
         self.requested: list[str] = []
@@ -103,7 +105,9 @@ class Viewer:
 
     def place(self, across: float, down: float) -> tuple[float, float]:
         """A point of the image of the camera on the page; parts of its width and height."""
-        box = self.page.locator("canvas").first.bounding_box()
+        canvas = self.page.locator("canvas").first
+        canvas.scroll_into_view_if_needed()
+        box = canvas.bounding_box()
         assert box is not None
         return box["x"] + across * box["width"], box["y"] + down * box["height"]
 
