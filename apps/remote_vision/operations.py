@@ -67,16 +67,20 @@ def expected(parameter: Mapping[str, Any]) -> str:
     return f"{article} from {parameter['low']:g} to {parameter['high']:g} {parameter['unit']}".rstrip()
 
 
-def chain_of(operation: Mapping[str, Any], values: Mapping[str, Any]) -> list[dict[str, Any]]:
-    """Return the chain of one operation on an image in colour.
+def chain_of(
+    operation: Mapping[str, Any], values: Mapping[str, Any], before: Sequence[Mapping[str, Any]] = ()
+) -> list[dict[str, Any]]:
+    """Return the chain of one operation on an image in colour, or on the result of other steps.
 
     Args:
         operation: As the agent describes it.
         values: Of its fields, by name.
+        before: The steps before it; without any, an operation that takes no colour image gets a grey one.
     Raises:
         EntryNotValid: A value is not valid.
     """
     step = {"operation": operation["name"]}
     step |= {each["name"]: entered(each, values.get(each["name"])) for each in operation["parameters"]}
-    before: Sequence[dict[str, Any]] = () if "colour" in operation["takes"] else ({"operation": "grey"},)
-    return [*before, step]
+    if not before and "colour" not in operation["takes"]:
+        return [{"operation": "grey"}, step]
+    return [*map(dict, before), step]

@@ -31,12 +31,17 @@ class OperationsPanel:
         self._operations: dict[str, dict[str, Any]] = {}
         self._chains: dict[str, Any] = {}
         self._fields: dict[str, ValueElement[Any]] = {}
+        self._before: list[dict[str, Any]] = []  # the steps before the chosen operation
         with ui.element("div").classes("rv-panel"):
             ui.label("Operation").classes("rv-heading")
             self._choice = ui.select({_NONE: "none"}, value=_NONE, label="Operation or saved chain")
             self._choice.on_value_change(self._chosen).classes("rv-select")
             self._purpose = ui.label().classes("rv-hint")
             self._form = ui.element("div").classes("rv-form")
+            with ui.row().classes("rv-row"):
+                self._add = ui.button("Add a step", on_click=self._add_step).props("outline dense no-caps")
+                self._anew = ui.button("Remove steps", on_click=self._remove_steps).props("outline dense no-caps")
+                self._steps = ui.label().classes("rv-hint")
             with ui.row().classes("rv-row"):
                 self._name = ui.input("Save as").props("dense").classes("rv-name")
                 self._save = ui.button("Save chain", on_click=self._save_chain).props("outline dense no-caps")
@@ -57,6 +62,8 @@ class OperationsPanel:
         chains = await self._program.ask(robot, VISION, "chains")
         if robot != self._viewing.robot:
             return
+        if robot != self._known_of:
+            self._before = []
         if not operations.is_done:
             self._purpose.text = f"the operations of vision@{robot} are not known: {operations.why}"
             return
@@ -83,7 +90,10 @@ class OperationsPanel:
         operation = self._operations.get(name)
         self._fields.clear()
         self._form.clear()
-        self._save.set_enabled(operation is not None)
+        for button in (self._save, self._add):
+            button.set_enabled(operation is not None)
+        self._anew.set_enabled(bool(self._before))
+        self._steps.text = "after " + ", ".join(step["operation"] for step in self._before) if self._before else ""
         self._purpose.text = operation["purpose"] if operation else "" if name in self._chains else "no operation"
         if operation is None:
             return
@@ -127,8 +137,25 @@ class OperationsPanel:
     def _chain(self) -> list[dict[str, Any]] | str | None:
         name = self._choice.value or _NONE
         if operation := self._operations.get(name):
-            return chain_of(operation, {key: field.value for key, field in self._fields.items()})
+            return chain_of(operation, {key: field.value for key, field in self._fields.items()}, self._before)
         return name if name in self._chains else None
+
+    async def _add_step(self) -> None:
+        """Take what is chosen as a step, after which the next operation is done; it begins as the same one."""
+        try:
+            chain = self._chain()
+        except EntryNotValid as err:
+            self._program.say(self._viewing, f"no step added: {err}")
+            return
+        if isinstance(chain, list):
+            self._before = chain
+            self._describe(self._choice.value or _NONE)
+            self._program.say(self._viewing, "step added; choose the next operation")
+
+    async def _remove_steps(self) -> None:
+        self._before = []
+        self._describe(self._choice.value or _NONE)
+        await self._apply()
 
     async def _save_chain(self) -> None:
         name = (self._name.value or "").strip()

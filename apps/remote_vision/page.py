@@ -65,7 +65,7 @@ class VisionPage:
                 with ui.row().classes("rv-row"):
                     ui.button("Save result", on_click=lambda: self._save(RESULT)).props("outline dense no-caps")
                 self._operations = OperationsPanel(program, viewing, self._result)
-        with ui.element("main").classes("rv-main"):
+        with ui.element("div").classes("rv-main"):
             with ui.element("section").classes("rv-column"):
                 self._colours = ColoursPanel(program, viewing, self._original)
             with ui.element("section").classes("rv-column"), ui.element("div").classes("rv-panel"):

@@ -19,6 +19,14 @@ def test_the_fields_as_they_begin_make_a_chain_for_an_image_in_colour(operation:
     Chain.parse(chain_of(operation, values))
 
 
+def test_an_operation_is_done_after_the_steps_before_it() -> None:
+    before = chain_of(DESCRIBED["threshold"], {"level": 90, "invert": False})
+    assert [step["operation"] for step in before] == ["grey", "threshold"]
+    chain = chain_of(DESCRIBED["opening"], {"size": 3, "shape": "cross", "passes": 1}, before)
+    assert [step["operation"] for step in chain] == ["grey", "threshold", "opening"]
+    Chain.parse(chain)
+
+
 @pytest.mark.parametrize(
     ("parameter", "value", "why"),
     [
