@@ -54,7 +54,7 @@ def refusal_of(host: str, origin: str | None, names: frozenset[str]) -> str:
         return (
             f"this page is not served as {name or 'a computer without a name'}; start it with --host {name or 'NAME'}"
         )
-    if origin is not None and urlsplit(origin).netloc != host:
+    if origin is not None and origin.partition("://")[2] != host:
         return f"a page of {origin[:100]} may not use this one"
     return ""
 

@@ -98,6 +98,13 @@ class Viewer:
         """Press a button."""
         self.page.get_by_role("button", name=name, exact=True).click()
 
+    def take_control(self) -> None:
+        """Take control of the head, unless this page has it."""
+        take = self.page.get_by_role("button", name="Take control", exact=True)
+        if take.count():
+            take.click()
+        self.sees("You steer.")
+
     def choose(self, label: str, option: str) -> None:
         """Choose an option of a list."""
         self.page.get_by_label(label).click()

@@ -4,8 +4,9 @@ import os
 import signal
 import subprocess
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from http.client import HTTPConnection
+from math import inf
 from pathlib import Path
 from typing import Any
 from urllib.parse import urlsplit
@@ -42,6 +43,7 @@ step = 5.0
 """
 """A key turns the head from one end to the other, which takes 2.2 s: long enough for something to die meanwhile."""
 LOOK = 0.05  # s
+NO_MOTION = 2.0  # s after a key was pressed, in which a head that nothing keeps begins to turn
 LEFT, RIGHT = 1.7, -1.7  # rad, the ends of the head
 
 
@@ -94,17 +96,33 @@ def holder(team: RunningTeam) -> str:
     return str((lease["elements"].get("ptz") or {}).get("holder") or "")
 
 
+def turn(team: RunningTeam, viewer: Viewer, key: str, is_there: Callable[[float], bool], what: str) -> None:
+    """Press a key until the head is where it is to be.
+
+    A machine that halts for a moment ends a motion, and for a longer moment the control.
+    """
+    pressed_at = -inf
+
+    def arrives() -> bool:
+        nonlocal pressed_at
+        state = head(team)
+        if not is_there(state["pan"]) and not state["moving"] and time.monotonic() - pressed_at > NO_MOTION:
+            viewer.take_control()
+            viewer.page.locator(".rv-viewer").first.focus()
+            viewer.page.keyboard.press(key)
+            pressed_at = time.monotonic()
+        return is_there(state["pan"])
+
+    viewer.wait(arrives, what)
+
+
 def sweep(team: RunningTeam, viewer: Viewer) -> None:
     """Take control, turn the head to the right end, and let it begin to turn to the left end."""
-    viewer.press("Take control")
-    viewer.sees("You steer.")
+    viewer.take_control()
     assert holder(team).startswith("remote-vision-")
-    viewer.page.locator(".rv-viewer").first.focus()
-    viewer.page.keyboard.press("ArrowRight")
-    viewer.wait(lambda: pan(team) < RIGHT + 0.02, "the head looks to the right")
+    turn(team, viewer, "ArrowRight", lambda pan: pan < RIGHT + 0.02, "the head looks to the right")
     viewer.sees("head at pan -9")
-    viewer.page.keyboard.press("ArrowLeft")
-    viewer.wait(lambda: pan(team) > RIGHT + 0.1, "the head turns")
+    turn(team, viewer, "ArrowLeft", lambda pan: pan > RIGHT + 0.1, "the head turns")
 
 
 def stops_early(team: RunningTeam) -> None:
@@ -161,14 +179,12 @@ def test_one_viewer_steers_and_another_sees_who(
 ) -> None:
     other = Viewer(browser, served[1])
     viewer.until_drawn(count=1)
-    viewer.press("Take control")
-    viewer.sees("You steer.")
+    viewer.take_control()
     other.sees("steers.")
     assert other.page.get_by_role("button", name="Take control", exact=True).is_disabled()
     viewer.page.mouse.click(*viewer.place(0.99, 0.5))
     viewer.wait(lambda: abs(pan(team) + 0.41) < 0.03, "what was at the right edge is centred")
-    viewer.press("Look straight ahead")
-    viewer.wait(lambda: abs(pan(team)) < 0.02, "the head looks straight ahead")
+    turn(team, viewer, "c", lambda pan: abs(pan) < 0.02, "the head looks straight ahead")
     viewer.press("Release control")
     other.sees("Nobody steers from here.")
     other.close()
@@ -234,9 +250,6 @@ def test_a_program_that_freezes_or_is_killed_stops_the_head(
         stops_early(team)
         viewer.sees("OLD IMAGE")
     viewer.until_drawn(count=1)
-    if viewer.page.get_by_role("button", name="Release control").count():
-        viewer.press("Release control")
-    viewer.sees("Nobody steers from here.")
     sweep(team, viewer)
     process.kill()
     stops_early(team)
