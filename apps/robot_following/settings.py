@@ -1,0 +1,94 @@
+"""Settings of the application; `settings.toml` beside this module gives all of them with their units and meaning."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import configs
+from configs import laid_over
+
+SETTINGS = Path(__file__).with_name("settings.toml")
+
+
+@dataclass(frozen=True, slots=True)
+class DriveSettings:
+    """How the follower drives."""
+
+    gap: float
+    nearest: float
+    reach: float
+    speed: float
+    turn: float
+    acceleration: float
+    braking: float
+    gap_gain: float
+    aim: float
+    least_aim: float
+    resting: float
+    face: float
+    trail: float
+
+
+@dataclass(frozen=True, slots=True)
+class LeaderSettings:
+    """What is known of the leader's motion, and how sightings of it are believed."""
+
+    carried: float
+    acceleration_deviation: float
+    turn_acceleration_deviation: float
+    first_speed_deviation: float
+    first_turn_deviation: float
+    position_deviation: float
+    distance_deviation: float
+    heading_deviation: float
+    gate: float
+    refusals: int
+
+
+@dataclass(frozen=True, slots=True)
+class SearchSettings:
+    """What is done when the leader is not seen."""
+
+    coast: float
+    sweep_after: float
+    pan: float
+    pan_speed: float
+    speed: float
+    turn: float
+    give_up: float
+
+
+@dataclass(frozen=True, slots=True)
+class RoomSettings:
+    """The size of the follower, and its distances from obstacles."""
+
+    half_width: float
+    front: float
+    margin: float
+    leader_radius: float
+
+
+@dataclass(frozen=True, slots=True)
+class FollowingSettings:
+    """All of them."""
+
+    drive: DriveSettings
+    leader: LeaderSettings
+    search: SearchSettings
+    room: RoomSettings
+
+
+def load_settings(path: str | Path | None = None, changes: Mapping[str, Any] | None = None) -> FollowingSettings:
+    """Read settings.
+
+    Args:
+        path: A file that need not have all of them; None for those that are shipped.
+        changes: Tables that are laid over the file.
+    Raises:
+        ConfigError: The file cannot be read, or a key or value is not valid.
+    """
+    table = configs.read(SETTINGS)
+    if path is not None:
+        table = laid_over(table, configs.read(path))
+    return configs.build(FollowingSettings, laid_over(table, changes or {}), str(path or SETTINGS))
