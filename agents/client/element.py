@@ -68,6 +68,16 @@ class ElementClient(Generic[R]):
             return self._read(self._thread.call(self._thread.agent.query(self.agent.results_key)))
         return self._read(self.ask("read"))
 
+    @property
+    def properties(self) -> dict[str, Any]:
+        """Return what its agent describes of the element: limits, sizes and angles, by name.
+
+        Raises:
+            RobotError: The agent does not answer.
+        """
+        described = self._thread.call(self._thread.agent.query(self.agent.description_key))
+        return dict(described.get("properties") or {})
+
     def watch(self, within: float = PATIENCE) -> Iterator[R]:
         """Yield every reading as it comes; older ones are dropped while the loop is busy.
 

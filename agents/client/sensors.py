@@ -95,8 +95,7 @@ class SonarClient(ElementClient[SonarReading]):
             RobotError: The agent does not answer.
         """
         if self._discs is None:
-            described = self._thread.call(self._thread.agent.query(self.agent.description_key))
-            rows = dict(described.get("properties") or {}).get("discs") or []
+            rows = self.properties.get("discs") or []
             self._discs = {disc.number: disc for disc in (_disc(row, self.agent) for row in rows)}
         return dict(self._discs)
 
