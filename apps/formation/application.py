@@ -16,6 +16,7 @@ from apps.formation.record import FormationRecord
 from apps.formation.settings import FormationSettings
 from apps.formation.shapes import ShapeError
 from apps.formation.shared_poses import SharedPoses, read_starts
+from apps.pictures import check_picture
 from apps.waypoints import Follower
 from configs.extras import ExtraMissing
 from geometry import Point, Pose2D, Twist2D
@@ -64,7 +65,7 @@ def main(
     robots = _robots(team, leader, followers)
     names = [each.name for each in robots]
     waypoints = _waypoints(drive)
-    _check_picture(picture)
+    check_picture(picture)
     try:
         formation = Formation(names[0], names[1:], shape, tuned)
     except ShapeError as err:
@@ -216,9 +217,3 @@ def _waypoints(drive: Sequence[object] | None) -> list[Point]:
             case _:
                 raise RobotError(f"drive is a list of waypoints [x, y] in m, and {row!r} is none")
     return found
-
-
-def _check_picture(picture: str) -> None:
-    file = Path(picture)
-    if picture and (file.suffix not in (".svg", ".png") or not file.parent.is_dir()):
-        raise RobotError(f"the picture {picture} cannot be written; name an .svg or .png file in a folder that exists")

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from apps.formation.record import FormationRecord
+from apps.pictures import save_picture
 from configs.extras import require
 from geometry import Polygon
 
@@ -30,7 +31,6 @@ def draw_formation(file: Path, record: FormationRecord, title: str, walls: Seque
         OSError: The file cannot be written.
     """
     require("the picture of a formation", "plots")
-    import matplotlib
     from matplotlib.figure import Figure  # slow to import, and only needed here
 
     page = Figure(figsize=(9, 7.5), layout="constrained")
@@ -49,8 +49,7 @@ def draw_formation(file: Path, record: FormationRecord, title: str, walls: Seque
     distances.set_ylabel("from its point, m")
     distances.set_ylim(bottom=0.0)
     distances.grid(visible=True, linewidth=0.3)
-    with matplotlib.rc_context({"svg.hashsalt": "formation", "svg.fonttype": "none", "path.simplify": True}):
-        page.savefig(file, metadata={"Date": None} if file.suffix == ".svg" else None)
+    save_picture(page, file)
 
 
 def _draw_robot(plan: "Axes", distances: "Axes", record: FormationRecord, name: str, colour: str) -> None:

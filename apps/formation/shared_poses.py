@@ -2,12 +2,12 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from concurrent.futures import Future, ThreadPoolExecutor, wait
-from dataclasses import dataclass, field
-from typing import Any
+from concurrent.futures import wait
+from dataclasses import dataclass
 
 import configs
 from agents import Robot, RobotError
+from apps.background import BackgroundRequests
 from apps.formation.members import MemberState, RangeEcho
 from configs.team_file import read_team
 from geometry import Pose2D, Twist2D
@@ -55,7 +55,7 @@ def _pose(name: object, row: object) -> Pose2D:
 
 @dataclass(slots=True)
 class _Shared:
-    """What a robot has answered. busy: requests under way, by kind. refusal: why it cannot be driven, in words."""
+    """What a robot has answered. refusal: why it cannot be driven, in words."""
 
     robot: Robot
     start: Pose2D
@@ -65,7 +65,6 @@ class _Shared:
     echoes: tuple[RangeEcho, ...] = ()
     refusal: str = ""
     has_leapt: bool = False
-    busy: "dict[str, Future[Any]]" = field(default_factory=dict)
 
 
 def _leaps(before: MemberState | None, after: MemberState) -> bool:
@@ -93,7 +92,7 @@ class SharedPoses:
             RobotError: A robot has no base.
         """
         self._period = period
-        self._pool = ThreadPoolExecutor(3 * len(robots), "formation")
+        self._requests = BackgroundRequests(3 * len(robots), "formation")
         self._shared = {each.name: _Shared(each, starts[each.name], each.has("sonar")) for each in robots}
         for each in self._shared.values():
             each.robot.element("base")
@@ -102,9 +101,9 @@ class SharedPoses:
         """Return the state of each robot that has been heard of; `now` is s on any steady clock."""
         asked = []
         for shared in self._shared.values():
-            asked.append(self._begin(shared, "odometry", self._ask_odometry, shared))
+            asked.append(self._requests.begin((shared.robot.name, "odometry"), self._ask_odometry, shared))
             if shared.has_sonar:
-                asked.append(self._begin(shared, "sonar", self._ask_sonar, shared))
+                asked.append(self._requests.begin((shared.robot.name, "sonar"), self._ask_sonar, shared))
         wait(asked, self._period / 2)
         states = {}
         for name, shared in self._shared.items():
@@ -116,16 +115,14 @@ class SharedPoses:
     def drive(self, name: str, twist: Twist2D) -> str:
         """Drive a robot, unless it is lost; returns why it cannot be driven, in words, or nothing."""
         shared = self._shared[name]
-        before = shared.busy.get("drive")
-        if before is not None and not before.done():
-            return shared.refusal
+        before = self._requests.take((name, "drive"))
         if before is not None:
             error = before.exception()
             shared.refusal = str(error) if isinstance(error, RobotError) else ""
         if shared.has_leapt:
             twist = Twist2D()
             shared.refusal = "its odometry has jumped, as when a gateway starts again; start anew with new starts"
-        shared.busy["drive"] = self._pool.submit(shared.robot.base.drive, twist.linear, twist.angular)
+        self._requests.begin((name, "drive"), shared.robot.base.drive, twist.linear, twist.angular)
         return shared.refusal
 
     def has_leapt(self, name: str) -> bool:
@@ -134,29 +131,21 @@ class SharedPoses:
 
     def close(self) -> None:
         """Begin no more requests."""
-        self._pool.shutdown(wait=False, cancel_futures=True)
-
-    def _begin(self, shared: _Shared, kind: str, function: Any, *arguments: object) -> "Future[Any]":
-        under_way = shared.busy.get(kind)
-        if under_way is None:
-            under_way = shared.busy[kind] = self._pool.submit(function, *arguments)
-        return under_way
+        self._requests.close()
 
     def _take(self, shared: _Shared, now: float) -> None:
         """Take what has been answered."""
-        sonar, odometry = shared.busy.get("sonar"), shared.busy.get("odometry")
-        if sonar is not None and sonar.done():
-            del shared.busy["sonar"]
+        sonar = self._requests.take((shared.robot.name, "sonar"))
+        odometry = self._requests.take((shared.robot.name, "odometry"))
+        if sonar is not None:
             shared.echoes = () if sonar.exception() else sonar.result()
-        if odometry is not None and odometry.done():
-            del shared.busy["odometry"]
-            if odometry.exception() is None:
-                stamp, pose, twist = odometry.result()
-                if stamp != shared.stamp:  # the same reading again is no sign of life
-                    shared.stamp = stamp
-                    state = MemberState(shared.start.compose(pose), twist, now, shared.echoes)
-                    shared.has_leapt = shared.has_leapt or _leaps(shared.state, state)
-                    shared.state = state if not shared.has_leapt else shared.state
+        if odometry is not None and odometry.exception() is None:
+            stamp, pose, twist = odometry.result()
+            if stamp != shared.stamp:  # the same reading again is no sign of life
+                shared.stamp = stamp
+                state = MemberState(shared.start.compose(pose), twist, now, shared.echoes)
+                shared.has_leapt = shared.has_leapt or _leaps(shared.state, state)
+                shared.state = state if not shared.has_leapt else shared.state
 
     @staticmethod
     def _ask_odometry(shared: _Shared) -> tuple[float, Pose2D, Twist2D]:

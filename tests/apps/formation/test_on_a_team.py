@@ -5,22 +5,18 @@ import os
 import re
 import signal
 import subprocess
-import sys
-import time
 from collections.abc import Iterator
 from contextlib import contextmanager
-from functools import partial
-from math import hypot
 from pathlib import Path
 
 import pytest
 
 from acromovi.team.host_control import HostControl
 from tests.acromovi.team.running import RunningTeam, running
-from tests.waiting import end_of, wait_until
+from tests.apps.on_a_team import application, wait_until_stand
+from tests.waiting import end_of
 
-ROOT = Path(__file__).parents[3]
-STEP, LITTLE = 0.1, 0.002  # s; m in that time, which a robot that stands does not go
+ROBOTS = "happy", "doc"
 TEAM = """\
 world = "empty"
 gateways = "separate"
@@ -56,48 +52,16 @@ def formation(team: RunningTeam, folder: Path, command: str = "run") -> "Iterato
         "shape=column",
         f"starts={file}",
         "drive=[[60, 0]]",
-        "--bus",
-        team.profile,
     ]
-    with subprocess.Popen(
-        [sys.executable, "-m", "acromovi", command, "formation", *words],
-        cwd=folder,
-        env={**os.environ, "PYTHONPATH": str(ROOT)},
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        text=True,
-    ) as process:
-        try:
-            wait_until(lambda: step(team, "happy") > 5 * LITTLE and step(team, "doc") > 5 * LITTLE, "both drive")
-            yield process
-        finally:
-            if process.poll() is None:
-                process.send_signal(signal.SIGCONT)
-                process.kill()
-
-
-def step(team: RunningTeam, robot: str) -> float:
-    """How far a robot goes in a moment, m."""
-    before = team.emulator().ask("truth", robot=robot)
-    time.sleep(STEP)
-    after = team.emulator().ask("truth", robot=robot)
-    return hypot(after["x"] - before["x"], after["y"] - before["y"])
-
-
-def stands(team: RunningTeam, robot: str) -> bool:
-    return step(team, robot) < LITTLE
-
-
-def wait_until_all_stand(team: RunningTeam) -> None:
-    for robot in ("happy", "doc"):
-        wait_until(partial(stands, team, robot), f"{robot} stands")
+    with application(team, folder, ["formation", *words], ROBOTS, command) as process:
+        yield process
 
 
 @pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGSTOP], ids=["killed", "frozen"])
 def test_all_robots_stop_when_the_application_is_lost(team: RunningTeam, tmp_path: Path, how: signal.Signals) -> None:
     with formation(team, tmp_path) as process:
         process.send_signal(how)
-        wait_until_all_stand(team)
+        wait_until_stand(team, ROBOTS)
 
 
 def test_the_followers_stop_when_the_leader_falls_silent(team: RunningTeam, tmp_path: Path) -> None:
@@ -110,7 +74,7 @@ def test_the_followers_stop_when_the_leader_falls_silent(team: RunningTeam, tmp_
         os.kill(gateway, signal.SIGSTOP)
         try:
             told = next(line for line in process.stdout if "silent" in line)
-            wait_until_all_stand(team)
+            wait_until_stand(team, ROBOTS)
         finally:
             os.kill(gateway, signal.SIGCONT)
     assert re.fullmatch(r"[\d.]+ s: happy, the leader, is silent; the followers stand\n", told)
@@ -120,7 +84,7 @@ def test_ctrl_c_stops_all_and_leaves_a_summary_and_a_picture(team: RunningTeam, 
     with formation(team, tmp_path) as process:
         process.send_signal(signal.SIGINT)
         told, _ = end_of(process)
-    wait_until_all_stand(team)
+    wait_until_stand(team, ROBOTS)
     assert process.returncode == 130
     assert "happy leads doc: column" in told
     assert re.search(r"  doc: [\d.]+ m, on the average \d+ cm from its point, at most \d+ cm\n", told)
@@ -136,7 +100,7 @@ def test_as_an_agent_it_answers_requests(team: RunningTeam, tmp_path: Path) -> N
         status = json.loads(team.acromovi("ask", "formation@apps", "status").stdout)
     assert status["leader"] == "happy"
     assert status["errors"]["doc"] < 2.0
-    wait_until_all_stand(team)
+    wait_until_stand(team, ROBOTS)
 
 
 @pytest.mark.parametrize(
