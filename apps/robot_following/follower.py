@@ -32,7 +32,7 @@ class FollowerState(Enum):
 
 
 @dataclass(frozen=True, slots=True)
-class Step:
+class FollowingStep:
     """What the follower is to do now.
 
     twist: of the base. pan: of the camera's head, rad. curve: that it drives, in odom, or None. leader: where it is
@@ -47,7 +47,7 @@ class Step:
     gap: float | None = None
 
 
-class Follower:
+class SightFollower:
     """Follows one leader.
 
     With every sighting a cubic Bézier curve leads from the own pose to the leader's, along both headings. The follower
@@ -71,20 +71,38 @@ class Follower:
         self._speed = 0.0
         self._has_arrived = False
         self._stepped_at: float | None = None
+        self.state = FollowerState.WAITING
+
+    def expected(self, at: float) -> Pose2D | None:
+        """Return where the leader should be in odom at a time, s; None if it has not been seen for a while."""
+        if not self._track.is_known or at - self._seen_at > self._settings.search.sweep_after:
+            return None
+        return self._track.at(at).pose
+
+    def forget(self) -> None:
+        """Forget the leader; it is waited for again."""
+        self._track.forget()
+        self._trail.clear()
+        self._began_at, self._seen_at, self._speed = None, -inf, 0.0
 
     def see(self, sighting: Sighting, at: float) -> None:
         """Take a sighting; at: when the image was exposed, s."""
         if self._track.see(sighting, at):
             self._seen_at = at
 
-    def step(self, now: float, pose: Pose2D, obstacles: Sequence[Point]) -> Step:
-        """Return what to do.
+    def step(self, now: float, pose: Pose2D, obstacles: Sequence[Point]) -> FollowingStep:
+        """Return what to do; `state` is that of the result afterwards.
 
         Args:
             now: s.
             pose: Own, in odom.
             obstacles: Where range sensors have an echo, in the robot's frame, m.
         """
+        step = self._step(now, pose, obstacles)
+        self.state = step.state
+        return step
+
+    def _step(self, now: float, pose: Pose2D, obstacles: Sequence[Point]) -> FollowingStep:
         elapsed = 0.0 if self._stepped_at is None else now - self._stepped_at
         self._stepped_at = now
         if self._began_at is None:
@@ -103,20 +121,20 @@ class Follower:
         self._keep_trail(pose, leader.pose)
         return self._follow(leader, pose, obstacles, elapsed, is_seen=unseen <= 0.25)
 
-    def _look_about(self, unseen: float, state: FollowerState) -> Step:
+    def _look_about(self, unseen: float, state: FollowerState) -> FollowingStep:
         """Stand and swing the camera."""
         search = self._settings.search
         if unseen > search.give_up:
-            return Step(FollowerState.GIVEN_UP, STAND, 0.0)
+            return FollowingStep(FollowerState.GIVEN_UP, STAND, 0.0)
         since = unseen - search.sweep_after
         pan = (
             sweep(since, self._bearing, self._side, search, self._pan_reach)
             if since > 0.0
             else pan_to(self._bearing, self._pan_reach)
         )
-        return Step(state, STAND, pan)
+        return FollowingStep(state, STAND, pan)
 
-    def _search(self, unseen: float, pose: Pose2D, last: Pose2D, obstacles: Sequence[Point]) -> Step:
+    def _search(self, unseen: float, pose: Pose2D, last: Pose2D, obstacles: Sequence[Point]) -> FollowingStep:
         """Stand, then swing the camera to both sides, then drive to where the leader was last, and turn about there."""
         search, drive = self._settings.search, self._settings.drive
         step = self._look_about(unseen, FollowerState.SEARCHING)
@@ -131,13 +149,15 @@ class Follower:
             room = self._room(BezierCurve.between(pose, last, drive.reach), pose, last, obstacles)
             speed = min(search.speed, sqrt(2.0 * drive.braking * room)) if room > 0.0 else 0.0
             self._has_arrived = speed == 0.0
-            return Step(step.state, Twist2D(speed if abs(bearing) < drive.face else 0.0, turn), step.pan)
+            return FollowingStep(step.state, Twist2D(speed if abs(bearing) < drive.face else 0.0, turn), step.pan)
         self._has_arrived = True
-        return Step(step.state, Twist2D(0.0, copysign(search.turn, wrap_angle(last.heading - pose.heading))), step.pan)
+        return FollowingStep(
+            step.state, Twist2D(0.0, copysign(search.turn, wrap_angle(last.heading - pose.heading))), step.pan
+        )
 
     def _follow(
         self, leader: LeaderState, pose: Pose2D, obstacles: Sequence[Point], elapsed: float, is_seen: bool
-    ) -> Step:
+    ) -> FollowingStep:
         drive = self._settings.drive
         curve, room, rest = self._best_curve(pose, leader.pose, obstacles)
         gap = curve.length + rest
@@ -152,8 +172,8 @@ class Follower:
             state = FollowerState.HELD
         if wanted <= 0.0 and self._speed == 0.0:
             turn = 0.0 if abs(self._bearing) < drive.face else max(-drive.turn, min(drive.turn, self._bearing))
-            return Step(FollowerState.STANDING, Twist2D(0.0, turn), pan, curve, leader, gap)
-        return Step(state, Twist2D(self._speed, self._turn(curve, pose)), pan, curve, leader, gap)
+            return FollowingStep(FollowerState.STANDING, Twist2D(0.0, turn), pan, curve, leader, gap)
+        return FollowingStep(state, Twist2D(self._speed, self._turn(curve, pose)), pan, curve, leader, gap)
 
     def _wanted_speed(self, leader: LeaderState, gap: float, straight: float) -> float:
         """Return the speed that keeps the gap, m/s; 0 where the leader stands near enough."""
@@ -161,6 +181,8 @@ class Follower:
         off = gap - drive.gap
         if straight < drive.nearest or (abs(leader.speed) < drive.resting and off < drive.resting):
             return 0.0
+        if self._speed == 0.0 and off < drive.resting and leader.speed < drive.starting:
+            return 0.0  # the estimated speed of a leader that stands is not exactly 0, and the follower would creep
         closing = copysign(sqrt(2.0 * drive.braking * abs(off)), off)  # what can be braked within the error
         wanted = max(0.0, leader.speed) + max(-abs(closing), min(abs(closing), drive.gap_gain * off))
         return max(0.0, min(drive.speed, wanted))
@@ -176,8 +198,8 @@ class Follower:
     def _best_curve(self, pose: Pose2D, leader: Pose2D, obstacles: Sequence[Point]) -> tuple[BezierCurve, float, float]:
         """Return the curve to drive, the way free along it, and how far the leader is beyond its end, m.
 
-        That is the curve to the leader, if there is room for it. If not, it ends earlier on the trail of the leader, which
-        had room there: the nearer its end, the less it cuts the corners.
+        That is the curve to the leader, if there is room for it. If not, it ends earlier on the trail of the leader,
+        which had room there: the nearer its end, the less it cuts the corners.
         """
         best = None
         rest, after = 0.0, leader

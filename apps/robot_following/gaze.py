@@ -1,6 +1,6 @@
 """Where the camera looks: at the leader, or about in search of it."""
 
-from math import asin, copysign, pi, sin
+from math import asin, copysign, inf, pi, sin
 
 from apps.robot_following.settings import SearchSettings
 from geometry import wrap_angle
@@ -35,3 +35,28 @@ def sweep(since: float, first: float, side: float, settings: SearchSettings, rea
 def swing_time(settings: SearchSettings, reach: float) -> float:
     """Return how long the head needs to look to both sides and back, s; 0 without a head."""
     return 4.0 * min(settings.pan, reach) / settings.pan_speed
+
+
+class HeadCommands:
+    """Decides when the head is told to move: its line is slow, and pictures are best while it stands.
+
+    told_at: s of the latest command; -inf before the first.
+    """
+
+    def __init__(self, settings: SearchSettings) -> None:
+        self._settings = settings
+        self._told = 0.0
+        self.told_at = -inf
+
+    def next(self, pan: float, now: float) -> float | None:
+        """Return the pan to command, rad; None if the head looks nearly there, or was told only just.
+
+        Args:
+            pan: Where it should look, rad.
+            now: s.
+        """
+        settings, since = self._settings, now - self.told_at
+        if since < settings.pan_period or (abs(pan - self._told) < settings.pan_step and since < settings.pan_repeat):
+            return None
+        self._told, self.told_at = pan, now
+        return pan

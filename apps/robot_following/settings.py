@@ -26,6 +26,7 @@ class DriveSettings:
     aim: float
     least_aim: float
     resting: float
+    starting: float
     face: float
     trail: float
 
@@ -44,6 +45,7 @@ class LeaderSettings:
     heading_deviation: float
     gate: float
     refusals: int
+    apart: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,6 +56,9 @@ class SearchSettings:
     sweep_after: float
     pan: float
     pan_speed: float
+    pan_step: float
+    pan_period: float
+    pan_repeat: float
     speed: float
     turn: float
     give_up: float
@@ -67,16 +72,34 @@ class RoomSettings:
     front: float
     margin: float
     leader_radius: float
+    laser: float
+    range: float
+
+
+@dataclass(frozen=True, slots=True)
+class ViewSettings:
+    """Where the camera is, and what is made of its pictures."""
+
+    field_of_view: float
+    head_silent: float
+    turning: float
+    forward: float
+    moved: float
 
 
 @dataclass(frozen=True, slots=True)
 class FollowingSettings:
-    """All of them."""
+    """All of them. period: s between two steps. report: s between two lines of progress. silent: s without odometry."""
+
+    period: float
+    report: float
+    silent: float
 
     drive: DriveSettings
     leader: LeaderSettings
     search: SearchSettings
     room: RoomSettings
+    camera: ViewSettings
 
 
 def load_settings(path: str | Path | None = None, changes: Mapping[str, Any] | None = None) -> FollowingSettings:

@@ -11,7 +11,7 @@ from geometry import Pose2D
 from vision.camera_model import PinholeModel
 from vision.colours import ColourTable
 from vision.image import Pixels
-from vision.target import TargetFinder, TargetShape
+from vision.target import TargetFinder, TargetPose, TargetShape
 
 _SHADES = np.linspace(0.45, 1.0, 12)  # of a colour, from shadow to full light
 _PATCH = 12  # px, of the drawn patch that a colour is trained from
@@ -37,7 +37,9 @@ class LeaderSight:
         self._finder = TargetFinder(TargetShape(), table, camera)
         self.words = "no image has come"
 
-    def look(self, pixels: Pixels, robot: Pose2D, camera: Pose2D, tilt: float = 0.0) -> Sighting | None:
+    def look(
+        self, pixels: Pixels, robot: Pose2D, camera: Pose2D, tilt: float = 0.0, expected: Pose2D | None = None
+    ) -> Sighting | None:
         """Return the leader in an image, None where it is not found.
 
         Args:
@@ -45,18 +47,31 @@ class LeaderSight:
             robot: The follower, in odom, when the image was exposed.
             camera: On the follower, in its frame, with the pan as heading.
             tilt: Of the camera, rad, up.
+            expected: Where the leader should be, in odom; tells which of several targets is its own. Without it, the
+                leader is the nearest if the others are clearly farther.
         Raises:
             VisionError: The image does not fit the camera's model.
         """
         found = self._finder.find(pixels, tilt)
         self.words = found.words
-        if found.pose is None:
+        seen = [(self._sighting(pose, robot, camera), pose.distance) for pose in found.others]
+        if found.pose is not None:
+            return self._sighting(found.pose, robot, camera)
+        if len(seen) < 2:
             return None
-        known, pose = self._settings, found.pose
-        away = hypot(pose.x, pose.y)
+        if expected is None:
+            seen.sort(key=lambda each: each[1])
+            return seen[0][0] if seen[1][1] - seen[0][1] > self._settings.apart else None
+        offs = [hypot(each.pose.x - expected.x, each.pose.y - expected.y) for each, _ in seen]
+        nearest, second = sorted(offs)[:2]
+        return seen[offs.index(nearest)][0] if second - nearest > self._settings.apart / 2.0 else None
+
+    def _sighting(self, pose: TargetPose, robot: Pose2D, camera: Pose2D) -> Sighting:
+        """Return the sighting of the leader that carries a target."""
+        known = self._settings
         return Sighting(
             leader_pose(robot, camera, (pose.x, pose.y, pose.orientation), known.carried),
-            max(known.position_deviation, known.distance_deviation * away, pose.distance_deviation),
+            max(known.position_deviation, known.distance_deviation * pose.distance, pose.distance_deviation),
             max(known.heading_deviation, pose.orientation_deviation),
         )
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from math import atan2, cos, hypot, sin
 from random import Random
 
-from apps.robot_following.follower import Follower, FollowerState, Step
+from apps.robot_following.follower import FollowerState, FollowingStep, SightFollower
 from apps.robot_following.leader import Sighting, leader_pose
 from apps.robot_following.settings import FollowingSettings, load_settings
 from geometry import Point, Pose2D, Twist2D, integrate, wrap_angle
@@ -34,10 +34,10 @@ class Stage:
     gaps: list[float] = field(default_factory=list)
     leader_path: list[Point] = field(default_factory=list)
     robot_path: list[Point] = field(default_factory=list)
-    steps: list[Step] = field(default_factory=list)
+    steps: list[FollowingStep] = field(default_factory=list)
 
     def __post_init__(self) -> None:
-        self.follower = Follower(self.settings, self.pan_reach)
+        self.follower = SightFollower(self.settings, self.pan_reach)
         self._rng = Random(self.seed)
         self._drives, self._leads = Twist2D(0.0, 0.0), Twist2D(0.0, 0.0)
         self._pan = 0.0

@@ -1,0 +1,231 @@
+"""One follower on a team: its readings, its cycle, and the commands to it."""
+
+import base64
+import math
+import time
+from collections.abc import Callable, Mapping
+from concurrent.futures import Future
+from dataclasses import dataclass
+from typing import Any
+
+from agents import Robot, RobotError
+from apps.background import BackgroundRequests
+from apps.robot_following.cycle import FollowingCycle
+from apps.robot_following.follower import FollowerState, FollowingStep
+from apps.robot_following.ranges import laser_points, sonar_points
+from apps.robot_following.settings import FollowingSettings
+from geometry import Point, Pose2D, Twist2D
+from vision.colours import ColourTable
+
+ANSWER_TIME = 1.0  # s for a reading or a command; the others do not wait for it
+SLOW = 0.1  # s between two readings of what changes slowly
+RANGES_FOR = 1.0  # s for which the echoes of range sensors hold; without newer ones the follower stands
+
+
+@dataclass(frozen=True, slots=True)
+class _Reading:
+    """What is asked of an element again and again, s from one time to the next, and what takes the answer."""
+
+    element: str
+    request: str
+    take: Callable[[Any], None]
+    period: float
+
+
+class FollowingRobot:
+    """Reads one follower, steps its cycle, and drives it.
+
+    Times are of this machine's steady clock; the cycle has those of the stamps, which the gateway makes.
+
+    trouble: which of its readings is missing, in words, so that it stands; empty otherwise. refusal: why it is not
+    allowed to drive. pose: in odom, None without readings. gap: m to the leader, None without one.
+    """
+
+    def __init__(
+        self,
+        robot: Robot,
+        requests: BackgroundRequests,
+        settings: FollowingSettings,
+        colours: ColourTable | None = None,
+    ) -> None:
+        """Prepare a robot that is there.
+
+        Args:
+            robot: The follower.
+            requests: In which its requests are made.
+            settings: Of the application.
+            colours: Of the target; None for those that are shipped.
+        Raises:
+            RobotError: It has no base or camera, or the camera's field of view is not known.
+        """
+        self.robot, self.trouble = robot, "no reading has come"
+        self._requests, self._settings = requests, settings
+        robot.element("base")
+        self._has_head = robot.has("ptz")
+        reach, view = _pan_reach(robot) if self._has_head else 0.0, _field_of_view(robot, settings)
+        self.cycle = FollowingCycle(settings, view, reach, colours)
+        self._ranger = next((each for each in ("laser", "sonar") if robot.has(each)), "")
+        self._kinds = {
+            element: _Reading(element, request, take, period)
+            for element, request, take, period in (
+                ("base", "read", self._take_base, 0.0),
+                ("camera", "picture", self._take_picture, 0.0),
+                ("ptz", "read", self._take_head, SLOW),
+                ("laser", "read", self._take_laser, SLOW),
+                ("sonar", "read", self._take_sonar, SLOW),
+            )
+            if element in ("base", "camera", self._ranger) or (element == "ptz" and self._has_head)
+        }
+        self._discs = robot.sonar.discs if self._ranger == "sonar" else {}
+        self._due: dict[str, float] = {}
+        self._ranges: list[Point] = []
+        self._ranges_at = self._base_at = -math.inf
+        self._ranges_stamp = math.nan
+        self._stamp = math.nan  # of the newest reading of the base, on the gateway's clock
+        self.camera_trouble = self.refusal = ""
+        self.pose: Pose2D | None = None
+        self.gap: float | None = None
+
+    @property
+    def name(self) -> str:
+        """Of the robot."""
+        return self.robot.name
+
+    def begin(self) -> "list[Future[Any]]":
+        """Ask for everything that is due; returns the requests."""
+        now, begun = time.monotonic(), []
+        for kind, each in self._kinds.items():
+            if now >= self._due.get(kind, 0.0):
+                self._due[kind] = now + each.period
+                begun.append(self._requests.begin((self.name, kind), self._ask, each))
+        return begun
+
+    @property
+    def does(self) -> str:
+        """What it does and why, in words."""
+        if self.refusal:
+            return f"stands: {self.refusal}"
+        if self.trouble:
+            return f"stands: {self.trouble}"
+        return self.cycle.follower.state.value
+
+    @property
+    def sees(self) -> str:
+        """What the camera saw last, or why there is no picture, in words."""
+        return self.camera_trouble or self.cycle.words
+
+    @property
+    def has_given_up(self) -> bool:
+        """Whether it has looked for the leader in vain for too long."""
+        return self.cycle.follower.state is FollowerState.GIVEN_UP
+
+    def step(self) -> FollowingStep | None:
+        """Take what has been answered, and drive; returns what it does, None without readings."""
+        for kind in self._kinds:
+            self._take(kind)
+        at = time.monotonic()
+        silence = at - self._base_at
+        now = self._stamp + silence
+        self.trouble = ""
+        if silence > self._settings.silent:
+            self.trouble = "the base is silent"
+        elif self._ranger and at - self._ranges_at > RANGES_FOR:
+            self.trouble = f"the {self._ranger} is silent"
+        step = self.cycle.step(now, self._ranges) if silence <= self._settings.silent else None
+        self.pose = self.cycle.pose(now) if step is not None else None
+        self.gap = step.gap if step is not None else None
+        self._drive(step.twist if step is not None and not self.trouble else Twist2D())
+        pan = self.cycle.head_command(now) if step is not None else None
+        if pan is not None:
+            self._requests.take((self.name, "look"))
+            self._requests.begin((self.name, "look"), self._look, pan)
+        return step
+
+    def _drive(self, twist: Twist2D) -> None:
+        """Drive, unless the command before has not been answered."""
+        before = self._requests.take((self.name, "drive"))
+        if before is not None:
+            error = before.exception()
+            self.refusal = str(error) if isinstance(error, RobotError) else ""
+        self._requests.begin((self.name, "drive"), self.robot.base.drive, twist.linear, twist.angular)
+
+    def _take(self, kind: str) -> None:
+        """Take a reading that has been answered."""
+        request = self._requests.take((self.name, kind))
+        if request is None:
+            return
+        error = request.exception()
+        if kind == "camera":
+            self.camera_trouble = str(error) if error is not None else ""
+        if error is None:
+            self._kinds[kind].take(request.result())
+        elif not isinstance(error, RobotError):
+            raise error
+
+    def _take_base(self, told: Any) -> None:
+        if told["stamp"] != self._stamp:  # the same reading again is no sign of life
+            self._stamp, self._base_at = float(told["stamp"]), time.monotonic()
+            pose = Pose2D(float(told["x"]), float(told["y"]), float(told["heading"]))
+            moving = Twist2D(float(told["linear"] or 0.0), float(told["angular"] or 0.0))
+            self.cycle.take_odometry(self._stamp, pose, moving)
+
+    def _take_head(self, told: Any) -> None:
+        if told["pan"] is not None:
+            tilt = float(told["tilt"] or 0.0)
+            self.cycle.take_head(float(told["stamp"]), float(told["pan"]), tilt, bool(told["moving"]))
+
+    def _take_picture(self, told: Any) -> None:
+        self.cycle.take_picture(float(told["stamp"]), base64.b64decode(told["data"]))
+
+    def _take_laser(self, told: Any) -> None:
+        first, increment = float(told["angle_min"]), float(told["angle_increment"])
+        ranges = [math.inf if each is None else each for each in told["ranges"]]
+        self._ranges = laser_points(ranges, first, increment, self._settings.room)
+        self._take_stamp(told)
+
+    def _take_sonar(self, told: Any) -> None:
+        self._ranges = sonar_points(self._echoes(told["ranges"]), self._settings.room)
+        self._take_stamp(told)
+
+    def _take_stamp(self, told: Any) -> None:
+        if told["stamp"] != self._ranges_stamp:
+            self._ranges_stamp, self._ranges_at = told["stamp"], time.monotonic()
+
+    def _echoes(self, ranges: Mapping[int, float | None]) -> list[tuple[float, float, float, float]]:
+        return [
+            (self._discs[number].x, self._discs[number].y, self._discs[number].heading, float(distance))
+            for number, distance in ranges.items()
+            if distance is not None and number in self._discs
+        ]
+
+    def _ask(self, reading: "_Reading") -> Any:
+        return self.robot.element(reading.element).ask(reading.request, within=ANSWER_TIME)
+
+    def _look(self, pan: float) -> None:
+        self.robot.ptz.ask("look", within=ANSWER_TIME, pan=pan, wait=False)
+
+
+def _pan_reach(robot: Robot) -> float:
+    """Return how far the head goes to both sides, rad."""
+    limits = robot.ptz.properties.get("limits") or {}
+    low, high = limits.get("pan") or (0.0, 0.0)
+    return float(min(-low, high))
+
+
+def _field_of_view(robot: Robot, settings: FollowingSettings) -> float:
+    """Return the horizontal field of view of the camera, rad.
+
+    Raises:
+        RobotError: It is neither in the settings nor in the robot's description.
+    """
+    given: list[Any] = [settings.camera.field_of_view]
+    for element in ("camera", "ptz"):
+        if robot.has(element):
+            given.append(robot.element(element).properties.get("field_of_view"))
+    view = next((each for each in given if each), None)
+    if view is None:
+        raise RobotError(
+            f"the field of view of the camera of {robot.name} is not known; give it in rad as camera.field_of_view in "
+            f"the settings"
+        )
+    return float(view)
