@@ -97,7 +97,7 @@ class FollowingTrack:
     """What one follower did, an entry for each step.
 
     gaps: m to the robot before. unseen: s since its target was last found. states, words: as printed. costs: s of
-    processor time for each picture and each step.
+    processor time of each step.
     """
 
     gaps: list[float] = field(default_factory=list)

@@ -2,7 +2,7 @@
 
 from collections import deque
 from collections.abc import Sequence
-from math import hypot
+from math import hypot, inf
 
 from apps.robot_following.follower import FollowingStep, SightFollower
 from apps.robot_following.gaze import HeadCommands
@@ -59,7 +59,7 @@ class FollowingCycle:
         self._size = (0, 0)
         self._picture: bytes | None = None
         self._picture_from: Pose2D | None = None  # where the robot was when it first gave this picture
-        self._picture_at = -1.0
+        self._picture_at = self._looked_at = -inf
 
     def take_odometry(self, stamp: float, pose: Pose2D, velocity: Twist2D) -> None:
         """Take a reading of the base; the same one again is ignored."""
@@ -93,7 +93,8 @@ class FollowingCycle:
         pose = self._robot.at(now)
         if pose is None:
             return None
-        step = self.follower.step(now, pose, obstacles)
+        is_blind = now - self._looked_at > self.settings.search.coast
+        step = self.follower.step(now, pose, obstacles, is_blind=is_blind)
         self._pan = step.pan
         return step
 
@@ -130,7 +131,7 @@ class FollowingCycle:
             except VisionError as err:
                 self.words = f"a picture cannot be used: {err}"
                 return
-            self.words = sight.words
+            self._looked_at, self.words = stamp, sight.words
             if sighting is not None:
                 self.found_at = stamp
                 self.follower.see(sighting, stamp)

@@ -90,19 +90,21 @@ class SightFollower:
         if self._track.see(sighting, at):
             self._seen_at = at
 
-    def step(self, now: float, pose: Pose2D, obstacles: Sequence[Point]) -> FollowingStep:
+    def step(self, now: float, pose: Pose2D, obstacles: Sequence[Point], *, is_blind: bool = False) -> FollowingStep:
         """Return what to do; `state` is that of the result afterwards.
 
         Args:
             now: s.
             pose: Own, in odom.
             obstacles: Where range sensors have an echo, in the robot's frame, m.
+            is_blind: Whether the camera gives no pictures that can be used; it then does not drive in search of the
+                leader.
         """
-        step = self._step(now, pose, obstacles)
+        step = self._step(now, pose, obstacles, is_blind)
         self.state = step.state
         return step
 
-    def _step(self, now: float, pose: Pose2D, obstacles: Sequence[Point]) -> FollowingStep:
+    def _step(self, now: float, pose: Pose2D, obstacles: Sequence[Point], is_blind: bool) -> FollowingStep:
         elapsed = 0.0 if self._stepped_at is None else now - self._stepped_at
         self._stepped_at = now
         if self._began_at is None:
@@ -113,6 +115,8 @@ class SightFollower:
         leader = self._track.at(now)
         if unseen > self._settings.search.coast:
             self._speed = 0.0
+            if is_blind:
+                return self._look_about(unseen, FollowerState.SEARCHING)
             last = self._track.at(self._seen_at + self._settings.search.coast).pose
             return self._search(unseen, pose, last, obstacles)
         self._bearing = pose.bearing_to(leader.pose.x, leader.pose.y)
