@@ -12,6 +12,7 @@ OF_A_RECORDING = "acromovi wire happy.jsonl"  # run where the recording is made
 IN_TERMINALS = "it runs until Ctrl-C, and is started by many tests"
 SUITE = "it is run by `make test` as a whole"
 FORMATION = "tests/apps/formation/test_on_a_team.py, with two robots"
+FOLLOWING = "tests/apps/robot_following/test_on_a_team.py, with two robots"
 ELSEWHERE = {
     "acromovi try gripper": "tests/acromovi/test_scenes.py",
     "acromovi up acromovi": "tests/acromovi/team/test_team_of_seven.py",
@@ -30,6 +31,12 @@ ELSEWHERE = {
     "acromovi ask formation@apps shape shape=line": FORMATION,
     "acromovi ask formation@apps status": FORMATION,
     "acromovi remote-vision happy": "tests/apps/remote_vision, on any free port",
+    "acromovi run robot_following robot=happy": FOLLOWING,
+    "acromovi run robot_following robots=happy,sleepy": FOLLOWING,
+    "acromovi run robot_following robot=happy colours=trained": FOLLOWING,
+    "acromovi promote robot_following robot=happy": FOLLOWING,
+    "acromovi ask robot_following@apps status": FOLLOWING,
+    "acromovi teleop doc": "tests/acromovi/test_teleop.py",
     "acromovi teleop happy": "tests/acromovi/test_teleop.py",
     "acromovi container --services acromovi": IN_TERMINALS,
     "acromovi wire /dev/ttyUSB0 --listen /tmp/tapped": "tests/acromovi/test_wire.py",

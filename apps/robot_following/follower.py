@@ -150,7 +150,9 @@ class SightFollower:
         away, bearing = hypot(last.x - pose.x, last.y - pose.y), pose.bearing_to(last.x, last.y)
         if away > drive.nearest and not self._has_arrived:
             turn = max(-search.turn, min(search.turn, 2.0 * bearing))
-            room = self._room(BezierCurve.between(pose, last, drive.reach), pose, last, obstacles)
+            room = self._room(
+                BezierCurve.between(pose, last, drive.reach), pose, last, obstacles, self._settings.room.margin
+            )
             speed = min(search.speed, sqrt(2.0 * drive.braking * room)) if room > 0.0 else 0.0
             self._has_arrived = speed == 0.0
             return FollowingStep(step.state, Twist2D(speed if abs(bearing) < drive.face else 0.0, turn), step.pan)
@@ -203,21 +205,24 @@ class SightFollower:
         """Return the curve to drive, the way free along it, and how far the leader is beyond its end, m.
 
         That is the curve to the leader, if there is room for it. If not, it ends earlier on the trail of the leader,
-        which had room there: the nearer its end, the less it cuts the corners.
+        which had room there: the nearer its end, the less it cuts the corners. Where no curve has the usual margin, as
+        in doors, the tight one is enough.
         """
-        best = None
-        rest, after = 0.0, leader
-        for goal in (leader, *reversed(self._trail)):
-            rest, after = rest + hypot(after.x - goal.x, after.y - goal.y), goal
-            ahead = goal.relative_to(pose)
-            if goal is not leader and ahead.x < self._settings.drive.least_aim:
-                break
-            curve = BezierCurve.between(pose, goal, self._settings.drive.reach)
-            room = self._room(curve, pose, leader, obstacles)
-            if best is None or room > best[1]:
-                best = curve, room, rest
-            if room == inf:
-                break
+        room = self._settings.room
+        for margin in (room.margin, room.tight):
+            best = None
+            rest, after = 0.0, leader
+            for goal in (leader, *reversed(self._trail)):
+                rest, after = rest + hypot(after.x - goal.x, after.y - goal.y), goal
+                ahead = goal.relative_to(pose)
+                if goal is not leader and ahead.x < self._settings.drive.least_aim:
+                    break
+                curve = BezierCurve.between(pose, goal, self._settings.drive.reach)
+                free = self._room(curve, pose, leader, obstacles, margin)
+                if free == inf:
+                    return curve, free, rest
+                if best is None or free > best[1]:
+                    best = curve, free, rest
         assert best is not None  # the leader itself
         return best
 
@@ -229,7 +234,9 @@ class SightFollower:
         while len(self._trail) > 1 and self._trail[0].relative_to(pose).x < 0.0:
             self._trail.popleft()
 
-    def _room(self, curve: BezierCurve, pose: Pose2D, leader: Pose2D, obstacles: Sequence[Point]) -> float:
+    def _room(
+        self, curve: BezierCurve, pose: Pose2D, leader: Pose2D, obstacles: Sequence[Point], margin: float
+    ) -> float:
         """Return the way free along a curve, m; inf if there is no obstacle in its strip but the leader."""
         room = self._settings.room
         if not len(obstacles):
@@ -239,7 +246,7 @@ class SightFollower:
         seen = seen[np.hypot(seen[:, 0] - there.x, seen[:, 1] - there.y) > room.leader_radius]
         along = np.linspace(0.0, 1.0, _SAMPLES)
         places = np.array([pose.locate(x, y) for x, y in curve.at(along).tolist()])
-        last = places[-1] + (places[-1] - places[-2]) * (room.front + room.margin) / max(
+        last = places[-1] + (places[-1] - places[-2]) * (room.front + margin) / max(
             1e-6, float(np.hypot(*(places[-1] - places[-2])))
         )
         places = np.vstack([places, last])
@@ -250,8 +257,8 @@ class SightFollower:
         beside = np.hypot(*np.moveaxis(off - part[:, :, None] * steps, 2, 0))
         nearest = beside.argmin(axis=1)
         rows = np.arange(len(seen))
-        is_in = (beside[rows, nearest] < room.half_width + room.margin) & (seen[:, 0] > 0.0)
+        is_in = (beside[rows, nearest] < room.half_width + margin) & (seen[:, 0] > 0.0)
         if not is_in.any():
             return inf
         ways = lengths[nearest] + part[rows, nearest] * np.diff(lengths)[nearest]
-        return float(ways[is_in].min()) - room.front - room.margin
+        return float(ways[is_in].min()) - room.front - margin

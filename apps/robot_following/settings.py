@@ -71,6 +71,7 @@ class RoomSettings:
     half_width: float
     front: float
     margin: float
+    tight: float
     leader_radius: float
     laser: float
     range: float
