@@ -16,6 +16,7 @@ from geometry import Point, Pose2D, Twist2D, wrap_angle
 
 STAND = Twist2D(0.0, 0.0)
 _SAMPLES = 13  # places of a curve that are compared with obstacles
+_SEEN = 0.4  # s without a sighting for which the leader counts as seen
 _TRAIL = 60  # poses of the leader
 
 
@@ -123,7 +124,7 @@ class SightFollower:
         self._side = wrap_angle(leader.pose.heading - pose.heading)
         self._has_arrived = False
         self._keep_trail(pose, leader.pose)
-        return self._follow(leader, pose, obstacles, elapsed, is_seen=unseen <= 0.25)
+        return self._follow(leader, pose, obstacles, elapsed, is_seen=unseen <= _SEEN)
 
     def _look_about(self, unseen: float, state: FollowerState) -> FollowingStep:
         """Stand and swing the camera."""
