@@ -13,7 +13,7 @@ import pytest
 
 from tests.acromovi.team.running import ROOT, RunningTeam, running
 from tests.apps.on_a_team import application, wait_until_stand
-from tests.waiting import end_of
+from tests.waiting import end_of, wait_until
 
 FOLLOWING = ["robot_following", "robot=happy", "settings=mine.toml"]
 SETTINGS = "[camera]\nfield_of_view = 1.047  # a camera without a head does not report it\n"
@@ -68,6 +68,11 @@ def following(team: RunningTeam, folder: Path, command: str = "run") -> "Iterato
     wait_until_stand(team, ["doc"])
 
 
+def sees_its_leader(team: RunningTeam) -> bool:
+    (status,) = json.loads(team.acromovi("ask", "robot_following@apps", "status").stdout).values()
+    return status["sees"].startswith("target at ") and 0.8 < (status["gap"] or 0.0) < 3.0
+
+
 def test_the_follower_stops_when_the_application_is_killed(team: RunningTeam, tmp_path: Path) -> None:
     with following(team, tmp_path) as process:
         process.kill()
@@ -76,9 +81,7 @@ def test_the_follower_stops_when_the_application_is_killed(team: RunningTeam, tm
 
 def test_as_an_agent_it_answers_and_when_it_is_frozen_the_follower_stops(team: RunningTeam, tmp_path: Path) -> None:
     with following(team, tmp_path, "promote") as process:
-        (status,) = json.loads(team.acromovi("ask", "robot_following@apps", "status").stdout).values()
-        assert status["sees"].startswith("target at ")
-        assert 0.8 < status["gap"] < 3.0
+        wait_until(lambda: sees_its_leader(team), "it sees its leader at the gap")
         process.send_signal(signal.SIGSTOP)
         wait_until_stand(team, ["happy"])
 
