@@ -15,6 +15,7 @@ from apps.robot_following.record import FollowingRecord
 from apps.robot_following.settings import FollowingSettings, load_settings
 from benchmarks.figures import Figure
 from benchmarks.following_course import SPEED, FollowingCourse
+from benchmarks.formation_course import straight
 from geometry import Pose2D
 from p2os_emu.world import load_world
 
@@ -155,7 +156,7 @@ def _score(course: FollowingCourse, name: str, seed: int, seconds: float) -> Fol
         float(shares.max()),
         max(max(track.unseen) for track in tracks),
         (bend(first), bend(last)),
-        farthest(last, first),
+        farthest(last, [*first, *_way(last[0], first[0])]),
         (float(np.median(costs)), float(np.quantile(costs, 0.95))),
         tuple(course.touches()),
         any(each.cycle.follower.state is FollowerState.GIVEN_UP for each in course.followers),
@@ -171,6 +172,11 @@ def _record(course: FollowingCourse) -> FollowingRecord:
     ):
         record.add(number * course.settings.period, own, leader, gaps[number])
     return record
+
+
+def _way(start: Pose2D, end: Pose2D) -> list[Pose2D]:
+    """Return the straight way on which the followers begin, behind the leader's start."""
+    return [Pose2D(x, y) for x, y in straight((start.x, start.y), (end.x, end.y))]
 
 
 def _smoothness(score: FollowingScore) -> float:
