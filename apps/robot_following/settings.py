@@ -83,14 +83,13 @@ class ViewSettings:
 
     field_of_view: float
     head_silent: float
-    turning: float
     forward: float
     moved: float
 
 
 @dataclass(frozen=True, slots=True)
 class FollowingSettings:
-    """All of them. period: s between two steps. report: s between two lines of progress. silent: s without odometry."""
+    """All of them; `settings.toml` has their units and meaning."""
 
     period: float
     report: float
