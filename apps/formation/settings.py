@@ -2,11 +2,11 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import configs
+from apps.setting_numbers import numbers_of
 
 SETTINGS = Path(__file__).with_name("settings.toml")
 
@@ -125,7 +125,7 @@ class FormationSettings:
         return self.safety.radii_m.get(robot, self.safety.radius_m)
 
     def _check(self, source: str) -> None:
-        for table, name, value in _numbers(self):
+        for table, name, value in numbers_of(self):
             if not (math.isfinite(value) and value > 0.0):
                 raise configs.ConfigError(f"{source}: {table}{name} must be more than 0, not {value:g}")
         for name, word, allowed in (
@@ -134,18 +134,3 @@ class FormationSettings:
         ):
             if word not in allowed:
                 raise configs.ConfigError(f"{source}: {name} must be {' or '.join(allowed)}, not {word!r}")
-
-
-def _numbers(table: Any, prefix: str = "") -> list[tuple[str, str, float]]:
-    found: list[tuple[str, str, float]] = []
-    for each in fields(table):
-        value = getattr(table, each.name)
-        if isinstance(value, bool):
-            continue
-        if isinstance(value, int | float):
-            found.append((prefix, each.name, float(value)))
-        elif isinstance(value, Mapping):
-            found += [(f"{prefix}{each.name}.", name, float(number)) for name, number in value.items()]
-        elif not isinstance(value, str):
-            found += _numbers(value, f"{prefix}{each.name}.")
-    return found

@@ -2,10 +2,12 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from math import isfinite
 from pathlib import Path
 from typing import Any
 
 import configs
+from apps.setting_numbers import numbers_of
 from configs import laid_over
 
 SETTINGS = Path(__file__).with_name("settings.toml")
@@ -114,4 +116,14 @@ def load_settings(path: str | Path | None = None, changes: Mapping[str, Any] | N
     table = configs.read(SETTINGS)
     if path is not None:
         table = laid_over(table, configs.read(path))
-    return configs.build(FollowingSettings, laid_over(table, changes or {}), str(path or SETTINGS))
+    source = str(path or SETTINGS)
+    settings = configs.build(FollowingSettings, laid_over(table, changes or {}), source)
+    for name, key, value in numbers_of(settings):
+        if not (isfinite(value) and value >= 0.0):
+            raise configs.ConfigError(f"{source}: {name}{key} must be 0 or more, not {value:g}")
+    if settings.period == 0.0:
+        raise configs.ConfigError(f"{source}: period must be more than 0 s")
+    if settings.drive.gap <= settings.drive.nearest:
+        nearest, gap = settings.drive.nearest, settings.drive.gap
+        raise configs.ConfigError(f"{source}: drive.gap must be more than drive.nearest, {nearest:g} m, not {gap:g}")
+    return settings
