@@ -1,12 +1,11 @@
 """Settings of the application, from one file; `settings.toml` beside this module has all of them with their meaning."""
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 import configs
-from apps.setting_numbers import numbers_of
+from configs.checks import check_numbers
 
 SETTINGS = Path(__file__).with_name("settings.toml")
 
@@ -125,9 +124,7 @@ class FormationSettings:
         return self.safety.radii_m.get(robot, self.safety.radius_m)
 
     def _check(self, source: str) -> None:
-        for table, name, value in numbers_of(self):
-            if not (math.isfinite(value) and value > 0.0):
-                raise configs.ConfigError(f"{source}: {table}{name} must be more than 0, not {value:g}")
+        check_numbers(self, source)
         for name, word, allowed in (
             ("points.follow", self.points.follow, ("path", "frame")),
             ("members.when_stopped", self.members.when_stopped, ("leave", "wait")),

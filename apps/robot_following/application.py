@@ -85,7 +85,7 @@ def status() -> dict[str, Any]:
 def _follow(
     team: Team, followers: "Sequence[FollowingRobot]", records: Sequence[FollowingRecord], settings: FollowingSettings
 ) -> None:
-    """FollowingStep all followers until the program is to end, or none has anything to do."""
+    """Step all followers until the program is to end, or all of them have given up."""
     next_report = 0.0
     last = [""] * len(followers)
     for now in team.every(settings.period):

@@ -2,13 +2,12 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from math import isfinite
 from pathlib import Path
 from typing import Any
 
 import configs
-from apps.setting_numbers import numbers_of
 from configs import laid_over
+from configs.checks import check_numbers
 
 SETTINGS = Path(__file__).with_name("settings.toml")
 
@@ -118,9 +117,7 @@ def load_settings(path: str | Path | None = None, changes: Mapping[str, Any] | N
         table = laid_over(table, configs.read(path))
     source = str(path or SETTINGS)
     settings = configs.build(FollowingSettings, laid_over(table, changes or {}), source)
-    for name, key, value in numbers_of(settings):
-        if not (isfinite(value) and value >= 0.0):
-            raise configs.ConfigError(f"{source}: {name}{key} must be 0 or more, not {value:g}")
+    check_numbers(settings, source, zero=True)
     if settings.period == 0.0:
         raise configs.ConfigError(f"{source}: period must be more than 0 s")
     if settings.drive.gap <= settings.drive.nearest:
