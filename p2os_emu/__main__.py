@@ -146,8 +146,9 @@ def _emulate(options: EmulatorOptions) -> None:
 
 
 def _check(path: Path, options: EmulatorOptions) -> int:
-    recording = read(path)
-    with contextlib.closing(_make_world(options, rest_parked=recording.parked_rest)) as world:
+    with contextlib.closing(_make_world(options)) as world:
+        recording = read(path)
+        world.rest_parked = recording.parked_rest
         return EXIT_OK if check(recording, path, options, world) else EXIT_PARTS
 
 
@@ -164,7 +165,7 @@ def _clean_output() -> Iterator[None]:
             os.dup2(own.fileno(), 1)
 
 
-def _make_world(options: EmulatorOptions, *, rest_parked: bool = True) -> "World":
+def _make_world(options: EmulatorOptions) -> "World":
     # The engine takes longer to load than all the rest: what needs none of it should not wait for it.
     try:
         from p2os_emu.world import World, WorldError, load_world
@@ -177,7 +178,7 @@ def _make_world(options: EmulatorOptions, *, rest_parked: bool = True) -> "World
     if spec.note and not options.quiet:
         print(f"p2os-emu: {spec.note}", file=sys.stderr)
     try:
-        return World(spec, seed=options.seed, perfect=options.perfect, gui=options.gui, rest_parked=rest_parked)
+        return World(spec, seed=options.seed, perfect=options.perfect, gui=options.gui)
     except WorldError as error:
         raise _PhysicsError(str(error)) from error
 

@@ -43,17 +43,11 @@ class World:
     """Physics for any number of robots.
 
     The same spec, seed and calls give bit-identical states, and each World is apart from all others in the process.
+
+    rest_parked: robots that are parked are not computed until they are driven or touched.
     """
 
-    def __init__(
-        self,
-        spec: WorldSpec,
-        *,
-        seed: int = 0,
-        perfect: bool = False,
-        gui: bool = False,
-        rest_parked: bool = True,
-    ) -> None:
+    def __init__(self, spec: WorldSpec, *, seed: int = 0, perfect: bool = False, gui: bool = False) -> None:
         """Build a world.
 
         Args:
@@ -61,7 +55,6 @@ class World:
             seed: Of every imperfection; each robot draws its own from seed and name.
             perfect: No imperfections: exact wheels, exact track, sonar without noise, misses or cross-talk.
             gui: Show a window.
-            rest_parked: Do not compute robots that are parked, until they are driven or touched.
         Raises:
             WorldError: Somebody's route leads through a wall, there is no display for the window, or the engine has no
                 room for one more world.
@@ -73,7 +66,7 @@ class World:
         self._perfect = perfect
         self._obstacles = Obstacles((*spec.walls, *spec.furniture, *spec.drops))
         self._robots: dict[str, RobotBody] = {}
-        self._rest_parked = rest_parked
+        self.rest_parked = True
         self._moving: tuple[MovingObject, ...] | None = None
         self._has_window = gui
         self._client = open_physics(gui)
@@ -203,7 +196,7 @@ class World:
                 robot.notice(thoroughly=is_look_due)
             else:
                 robot.refresh()
-                if is_look_due and self._rest_parked:
+                if is_look_due and self.rest_parked:
                     robot.rest_if_parked()
             if robot.touched:
                 self._touches[name].note(self.time, {self._names[body] for body in robot.touched})

@@ -141,7 +141,8 @@ def drive_after_a_pause(*, rest_parked: bool) -> list[RecordedBytes]:
     host.sort()
     recording = Recording(tuple(host), "happy", "p3dx-sh")
     model = configs.load(RobotModel, "robots", "p3dx-sh")
-    with World(load_world("empty"), perfect=True, rest_parked=rest_parked) as world:
+    with World(load_world("empty"), perfect=True) as world:
+        world.rest_parked = rest_parked
         return sorted([*host, *replay(recording, model, world)])
 
 
