@@ -105,6 +105,11 @@ class Viewer:
             take.click()
         self.sees("You steer.")
 
+    def key(self, name: str) -> None:
+        """Press a key on the image."""
+        self.page.locator(".rv-viewer").first.focus()
+        self.page.keyboard.press(name)
+
     def choose(self, label: str, option: str) -> None:
         """Choose an option of a list."""
         self.page.get_by_label(label).click()

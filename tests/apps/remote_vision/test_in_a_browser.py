@@ -96,33 +96,42 @@ def holder(team: RunningTeam) -> str:
     return str((lease["elements"].get("ptz") or {}).get("holder") or "")
 
 
-def turn(team: RunningTeam, viewer: Viewer, key: str, is_there: Callable[[float], bool], what: str) -> None:
-    """Press a key until the head is where it is to be.
+def turn(
+    team: RunningTeam, viewer: Viewer, act: Callable[[], None], is_there: Callable[[float], bool], what: str
+) -> None:
+    """Do what turns the head, and again until it is where it is to be.
 
     A machine that halts for a moment ends a motion, and for a longer moment the control.
     """
-    pressed_at = -inf
+    acted_at = -inf
 
     def arrives() -> bool:
-        nonlocal pressed_at
+        nonlocal acted_at
         state = head(team)
-        if not is_there(state["pan"]) and not state["moving"] and time.monotonic() - pressed_at > NO_MOTION:
+        if not is_there(state["pan"]) and not state["moving"] and time.monotonic() - acted_at > NO_MOTION:
             viewer.take_control()
-            viewer.page.locator(".rv-viewer").first.focus()
-            viewer.page.keyboard.press(key)
-            pressed_at = time.monotonic()
+            act()
+            acted_at = time.monotonic()
         return is_there(state["pan"])
 
     viewer.wait(arrives, what)
 
 
+def look_straight_ahead(team: RunningTeam, viewer: Viewer) -> None:
+    turn(team, viewer, lambda: viewer.key("c"), lambda pan: abs(pan) < 0.02, "the head looks straight ahead")
+
+
 def sweep(team: RunningTeam, viewer: Viewer) -> None:
     """Take control, turn the head to the right end, and let it begin to turn to the left end."""
-    viewer.take_control()
-    assert holder(team).startswith("remote-vision-")
-    turn(team, viewer, "ArrowRight", lambda pan: pan < RIGHT + 0.02, "the head looks to the right")
+
+    def has_the_lease() -> bool:
+        viewer.take_control()  # again, if the page still shows control that it has lost
+        return holder(team).startswith("remote-vision-")
+
+    viewer.wait(has_the_lease, "the page has the lease")
+    turn(team, viewer, lambda: viewer.key("ArrowRight"), lambda pan: pan < RIGHT + 0.02, "the head looks to the right")
     viewer.sees("head at pan -9")
-    turn(team, viewer, "ArrowLeft", lambda pan: pan > RIGHT + 0.1, "the head turns")
+    turn(team, viewer, lambda: viewer.key("ArrowLeft"), lambda pan: pan > RIGHT + 0.1, "the head turns")
 
 
 def stops_early(team: RunningTeam) -> None:
@@ -163,6 +172,7 @@ def test_operations_are_shown_beside_the_image_and_wrong_parameters_are_told(vie
 
 
 def test_a_channel_is_trained_by_dragging_and_its_blobs_are_laid_over(viewer: Viewer) -> None:
+    viewer.until_drawn(count=1)
     viewer.page.get_by_role("checkbox", name="Colour blobs").click()
     viewer.page.get_by_role("switch").click()
     viewer.page.mouse.move(*viewer.place(0.45, 0.85))
@@ -182,9 +192,14 @@ def test_one_viewer_steers_and_another_sees_who(
     viewer.take_control()
     other.sees("steers.")
     assert other.page.get_by_role("button", name="Take control", exact=True).is_disabled()
-    viewer.page.mouse.click(*viewer.place(0.99, 0.5))
-    viewer.wait(lambda: abs(pan(team) + 0.41) < 0.03, "what was at the right edge is centred")
-    turn(team, viewer, "c", lambda pan: abs(pan) < 0.02, "the head looks straight ahead")
+
+    def click_at_the_right_edge() -> None:
+        look_straight_ahead(team, viewer)
+        viewer.page.mouse.click(*viewer.place(0.99, 0.5))
+
+    is_centred = "what was at the right edge is centred"
+    turn(team, viewer, click_at_the_right_edge, lambda pan: abs(pan + 0.41) < 0.03, is_centred)
+    look_straight_ahead(team, viewer)
     viewer.press("Release control")
     other.sees("Nobody steers from here.")
     other.close()
@@ -233,9 +248,13 @@ def test_a_camera_that_freezes_is_told_and_returns(team: RunningTeam, viewer: Vi
 def test_a_robot_that_goes_and_agents_that_restart_are_told_and_return(team: RunningTeam, viewer: Viewer) -> None:
     viewer.choose("Operation or saved chain", "median")
     viewer.until_drawn("median")
-    (gateway,) = children("--name\0happy", team.process.pid)
-    os.kill(gateway, signal.SIGKILL)
-    viewer.sees("returns by itself")
+
+    def is_told() -> bool:
+        for gateway in children("--name\0happy", team.process.pid):  # again, if it was back before the page told
+            os.kill(gateway, signal.SIGKILL)
+        return bool(viewer.page.get_by_text("returns by itself").count())
+
+    viewer.wait(is_told, "the page tells that the robot has gone")
     viewer.until_drawn("happy")
     viewer.until_drawn("median")
 
