@@ -110,7 +110,9 @@ class FlowGeometry:
         Args:
             focus: y / x and z / x of the direction of travel.
         """
-        flow: Floats = (self._per_slope @ (self.slopes - np.array(focus))[..., None])[..., 0]
+        away = self.slopes - np.array(focus)
+        # Written out, since NumPy multiplies many small matrices slowly.
+        flow: Floats = self._per_slope[..., 0] * away[..., :1] + self._per_slope[..., 1] * away[..., 1:]
         return flow
 
     def rotation_in(self, flow: Floats, focus: tuple[float, float], weights: Floats, step: int = 4) -> Floats:

@@ -206,6 +206,10 @@ def _medians(vectors: Floats, column: np.ndarray, columns: int) -> list[list[flo
     result: list[list[float | None] | None] = []
     for number in range(columns):
         own = vectors[column == number]
-        is_known = len(own) >= _FEWEST
-        result.append([known(each, 2) for each in np.median(own, axis=0).tolist()] if is_known else None)
+        if len(own) < _FEWEST:
+            result.append(None)
+            continue
+        ordered = np.sort(own, axis=0)  # several times faster than np.median for so few
+        middle = (ordered[(len(own) - 1) // 2] + ordered[len(own) // 2]) / 2.0
+        result.append([known(each, 2) for each in middle.tolist()])
     return result

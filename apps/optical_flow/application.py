@@ -1,0 +1,196 @@
+"""The application: reads the robot, steps the wanderer, drives, and answers requests."""
+
+import math
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import configs
+from agents import Failed, Refused, Robot, RobotError, Team, request
+from apps.optical_flow.columns import FlowColumns
+from apps.optical_flow.feed import FlowFeed
+from apps.optical_flow.film import ENDINGS, FilmWriter, draw_frame
+from apps.optical_flow.plots import draw_wandering
+from apps.optical_flow.record import FlowRecord
+from apps.optical_flow.settings import FlowSettings
+from apps.optical_flow.wanderer import Readings, Wanderer, WanderOrders
+from configs.extras import ExtraMissing, require
+
+SERVICES = ("optical-flow-navigation",)  # for the directory, when it runs as an agent
+PLOTS = (".svg", ".png")
+
+
+@dataclass(slots=True)
+class _Running:
+    """What the requests are about."""
+
+    record: FlowRecord | None = None
+    orders: WanderOrders | None = None
+    settings: FlowSettings = field(default_factory=FlowSettings.load)
+
+
+_running = _Running()
+
+
+def main(
+    team: Team,
+    robot: str = "",
+    seconds: float = 0.0,
+    settings: str = "",
+    picture: str = "optical-flow.svg",
+    film: str = "optical-flow.gif",
+) -> None:
+    """Wander by optical flow until stopped.
+
+    Args:
+        team: The robots on the bus.
+        robot: Its name; any robot with a camera if empty.
+        seconds: For which it wanders; 0 for ever.
+        settings: A file with changes of `settings.toml`.
+        picture: File for the plots at the end; none if empty.
+        film: File, .gif or .mp4, for frames with flow and time to contact; none if empty.
+    Raises:
+        RobotError: An argument is not valid, or the robot or its camera is missing.
+    """
+    tuned = _settings(settings)
+    _check_file("picture", picture, PLOTS)
+    _check_file("film", film, ENDINGS)
+    if not (math.isfinite(seconds) and seconds >= 0.0):
+        raise RobotError(f"seconds must be 0 or more, not {seconds:g}; 0 wanders for ever")
+    me = team.robot(robot, having=("base", "camera"))
+    feed = FlowFeed(me)
+    writer = _writer(film, tuned)
+    me.element("flow").ask("configure", vectors=writer is not None)
+    record = FlowRecord(me.name)
+    _running.record, _running.orders, _running.settings = record, None, tuned
+    try:
+        _wander(team, me, feed, record, writer, seconds)
+        me.base.stop()
+    finally:
+        feed.close()
+        _finish(record, picture, writer)
+
+
+@request("status")
+def status() -> dict[str, Any]:
+    """Return the situation with its reason, and what has been driven and visited so far."""
+    record, orders = _running.record, _running.orders
+    if record is None or orders is None:
+        raise RobotError("the robot has not begun to wander yet; ask again in a moment")
+    return {
+        "robot": record.robot,
+        "situation": orders.situation.value,
+        "reason": orders.reason,
+        "linear": orders.twist.linear,
+        "angular": orders.twist.angular,
+        "seconds": record.times[-1] if record.times else 0.0,
+        "metres": round(record.way, 2),
+        "visited": round(record.visited(_running.settings.coverage.width_m), 2),
+        "touches": record.touches,
+    }
+
+
+def _wander(
+    team: Team, me: Robot, feed: FlowFeed, record: FlowRecord, writer: FilmWriter | None, seconds: float
+) -> None:
+    """Drive until the program is to end, or the time is over."""
+    settings = _running.settings
+    wanderer = Wanderer(settings)
+    next_report, next_frame, refusal = settings.report_s, 0.0, ""
+    _tell(record, 0.0, f"{me.name} wanders by optical flow at {settings.drive.speed_m_s:g} m/s")
+    for now in team.every(settings.period_s):
+        readings = feed.read(now, settings.period_s / 2.0)
+        if readings is None:
+            continue
+        orders = _running.orders = wanderer.step(readings)
+        before, refusal = refusal, _driven(me, feed, orders)
+        if refusal and refusal != before:
+            _tell(record, now, refusal)
+        if orders.changed:
+            _tell(record, now, f"{orders.situation.value}: {orders.reason}")
+        record.touches = wanderer.contacts
+        record.add(now, readings.pose, least_contact(readings.columns), orders.situation)
+        if writer is not None and readings.columns is not None and now >= next_frame:
+            next_frame = now + 1.0 / settings.film.rate
+            _film(writer, feed, readings, orders)
+        if now >= next_report:
+            next_report = now + settings.report_s
+            width = settings.coverage.width_m
+            _tell(record, now, f"{record.way:.1f} m driven, {record.visited(width):.1f} m^2 of floor visited")
+        if seconds and now >= seconds:
+            return
+
+
+def least_contact(columns: FlowColumns | None) -> float:
+    """Return the least time to contact in the columns, s; NaN where none is known."""
+    if columns is None or np.isnan(columns.rates).all():
+        return math.nan
+    return float(1.0 / max(np.nanmax(columns.rates), 1e-3))
+
+
+def _driven(me: Robot, feed: FlowFeed, orders: WanderOrders) -> str:
+    """Drive as ordered; returns why the robot refuses, in words, or nothing."""
+    try:
+        me.base.drive(orders.twist.linear, orders.twist.angular)
+    except Failed:  # it is stalled: something blocks it
+        feed.has_stalled()
+    except Refused as err:
+        return str(err)
+    return ""
+
+
+def _film(writer: FilmWriter, feed: FlowFeed, readings: Readings, orders: WanderOrders) -> None:
+    """Add a frame of the newest picture; it is at most one image older than the flow that is drawn over it."""
+    image = feed.picture()
+    if image is not None and readings.columns is not None:
+        words = f"{readings.time:.0f} s  {orders.situation.value}: {orders.reason}"
+        writer.add(draw_frame(image, readings.columns, feed.result.get("vectors") or (), words))
+
+
+def _tell(record: FlowRecord, now: float, told: str) -> None:
+    record.told.append(f"{now:.1f} s: {told}")
+    print(record.told[-1], flush=True)
+
+
+def _finish(record: FlowRecord, picture: str, writer: FilmWriter | None) -> None:
+    """Print the summary, and write picture and film."""
+    if not record.times:
+        return
+    width = _running.settings.coverage.width_m
+    print(f"after {record.times[-1]:.0f} s:", *record.summary(width), sep="\n  ", flush=True)
+    try:
+        if picture:
+            draw_wandering(Path(picture), record, f"{record.robot} by optical flow, poses by odometry")
+            print(f"see {picture}", flush=True)
+        if writer is not None and (count := writer.close()):
+            print(f"see {writer.file}, {count} frames", flush=True)
+    except (OSError, ExtraMissing) as err:
+        print(f"no picture: {err}", flush=True)
+
+
+def _writer(film: str, settings: FlowSettings) -> FilmWriter | None:
+    if not film:
+        return None
+    try:
+        require("the film", "vision", "plots")
+    except ExtraMissing as err:
+        raise RobotError(f"{err}; film= does without") from err
+    return FilmWriter(Path(film), round(settings.film.longest_s * settings.film.rate))
+
+
+def _settings(file: str) -> FlowSettings:
+    try:
+        return FlowSettings.load(file)
+    except configs.ConfigError as err:
+        raise RobotError(str(err)) from err
+
+
+def _check_file(name: str, given: str, endings: tuple[str, ...]) -> None:
+    file = Path(given)
+    if given and (file.suffix not in endings or not file.parent.is_dir()):
+        raise RobotError(
+            f"the {name} {given} cannot be written; name a file that ends in {' or '.join(endings)}, "
+            "in a folder that exists"
+        )

@@ -1,0 +1,132 @@
+"""Readings of one robot for the wanderer: odometry, bumpers, and the stream of the flow agent."""
+
+import math
+from collections.abc import Callable, Iterator
+from concurrent.futures import Future, ThreadPoolExecutor, wait
+from dataclasses import dataclass
+from typing import Any
+
+from agents import Robot, RobotError
+from agents.client.readings import OtherReading
+from apps.optical_flow.columns import FlowColumns
+from apps.optical_flow.wanderer import Readings
+from geometry import Pose2D, Twist2D
+
+ANSWER_TIME = 1.0  # s for a reading
+
+
+@dataclass(slots=True)
+class _Asked:
+    """A reading that is asked for again and again, one request at a time."""
+
+    ask: Callable[[], Any]
+    future: "Future[Any] | None" = None
+    error: str = ""
+
+
+class FlowFeed:
+    """Asks for readings in threads, so that no answer that is late holds up the next decision.
+
+    Each call begins at most one request of a kind, and nothing begins one by itself: when the program hangs, its calls
+    end, it counts as unattended, and the robot stops.
+
+    result: the latest one of the flow agent.
+    """
+
+    def __init__(self, robot: Robot) -> None:
+        """Begin.
+
+        Args:
+            robot: With base, camera and flow.
+        Raises:
+            RobotError: It lacks one.
+        """
+        self.result: dict[str, Any] = {}
+        self._robot = robot
+        self._flow = robot.element("flow")
+        self._results: Iterator[Any] | None = None
+        self._pool = ThreadPoolExecutor(4, "optical-flow")
+        self._asked = {"flow": _Asked(self._next_result), "base": _Asked(self._odometry)}
+        if robot.has("bumpers"):
+            self._asked["bumpers"] = _Asked(self._is_pressed)
+        self._picture = _Asked(lambda: robot.camera.picture().pixels())
+        self._base: dict[str, Any] | None = None
+        self._stamp = math.nan  # of the latest odometry
+        self._heard = -math.inf  # s, when it was new
+        self._is_stalled = False
+
+    def read(self, now: float, patience: float) -> Readings | None:
+        """Return what is known; None before the first odometry.
+
+        Args:
+            now: s on a steady clock.
+            patience: s to wait for answers.
+        """
+        wait([self._begin(each) for each in self._asked.values()], patience)
+        new = {name: value for name, each in self._asked.items() if (value := _answer(each)) is not None}
+        if (base := new.get("base")) is not None:
+            if base["stamp"] != self._stamp:
+                self._heard = now
+            self._base, self._stamp = base, float(base["stamp"])
+        if self._base is None:
+            return None
+        columns, trouble = None, self._asked["flow"].error
+        if (result := new.get("flow")) is not None:
+            self.result = result
+            trouble, columns = str(result.get("trouble") or ""), FlowColumns.of(result)
+        if now - self._heard > ANSWER_TIME:
+            trouble = f"no odometry for {now - self._heard:.1f} s"
+        pose = Pose2D(float(self._base["x"]), float(self._base["y"]), float(self._base["heading"]))
+        twist = Twist2D(float(self._base["linear"]), float(self._base["angular"]))
+        touches, self._is_stalled = bool(new.get("bumpers")) or self._is_stalled, False
+        return Readings(now, self._stamp, pose, twist, columns, trouble, touches)
+
+    def has_stalled(self) -> None:
+        """Take a refusal to drive on against something for a contact."""
+        self._is_stalled = True
+
+    def picture(self) -> Any:
+        """Return a picture's pixels where one has come since the last call, and ask for the next; else None."""
+        image = _answer(self._picture)
+        self._begin(self._picture)
+        return image
+
+    def close(self) -> None:
+        """Begin no more requests."""
+        self._pool.shutdown(wait=False, cancel_futures=True)
+
+    def _begin(self, asked: _Asked) -> "Future[Any]":
+        if asked.future is None:
+            asked.future = self._pool.submit(asked.ask)
+        return asked.future
+
+    def _next_result(self) -> dict[str, Any]:
+        """Return the next result of the flow agent's stream; after an error, the next call begins a new one."""
+        if self._results is None:
+            self._results = self._flow.watch(within=ANSWER_TIME)
+        try:
+            reading = next(self._results)
+        except BaseException:
+            self._results = None
+            raise
+        assert isinstance(reading, OtherReading)  # the flow agent's has no class of its own
+        return reading.result
+
+    def _odometry(self) -> dict[str, Any]:
+        return dict(self._robot.base.ask("read", within=ANSWER_TIME))
+
+    def _is_pressed(self) -> bool:
+        return bool(self._robot.bumpers.ask("read", within=ANSWER_TIME)["pressed"])
+
+
+def _answer(asked: _Asked) -> Any:
+    """Return an answer that has come; None where there is none, or an error instead."""
+    future = asked.future
+    if future is None or not future.done():
+        return None
+    asked.future, asked.error = None, ""
+    error = future.exception()
+    if isinstance(error, RobotError):
+        asked.error = str(error)
+        return None
+    return future.result()

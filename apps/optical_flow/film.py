@@ -1,0 +1,112 @@
+"""Frames with image, flow field and time to contact, and the film made of them. OpenCV is loaded where it is used."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from apps.optical_flow.columns import Floats, FlowColumns
+
+Pixels = NDArray[np.uint8]
+WIDTH, HEIGHT = 480, 360  # px of the image in a frame
+GRAPH, TEXT = 120, 34  # px of the graph and of the line of words below it
+LONGEST = 10.0  # s of time to contact at the top of the graph
+PLAY = 10  # frames a second of the film
+ENDINGS = (".gif", ".mp4")
+_ARROW = 0.35  # s of flow that an arrow shows
+_LEAST = 4.0  # px/s; shorter flow is a dot
+_GREEN, _ORANGE, _RED, _GREY = (74, 157, 42), (13, 140, 217), (47, 56, 181), (150, 150, 150)  # blue, green, red
+
+
+def draw_frame(image: Pixels, columns: FlowColumns, vectors: Sequence[Sequence[float]], words: str) -> Pixels:
+    """Return a frame: blue, green and red, shape (HEIGHT + GRAPH + TEXT, WIDTH, 3).
+
+    Args:
+        image: Blue, green and red, of any size.
+        columns: Of the same image.
+        vectors: Flow as rows of [x, y, right, down], px of the image and px/s.
+        words: Situation and reason.
+    """
+    import cv2  # it takes long to load
+
+    frame = np.full((HEIGHT + GRAPH + TEXT, WIDTH, 3), 255, np.uint8)
+    frame[:HEIGHT] = cv2.resize(image, (WIDTH, HEIGHT), interpolation=cv2.INTER_LINEAR)
+    across, down = WIDTH / image.shape[1], HEIGHT / image.shape[0]
+    for x, y, right, below in vectors:
+        begin = round((x + 0.5) * across), round((y + 0.5) * down)
+        if np.hypot(right, below) * across < _LEAST:
+            continue
+        end = round((x + 0.5 + right * _ARROW) * across), round((y + 0.5 + below * _ARROW) * down)
+        cv2.arrowedLine(frame[:HEIGHT], begin, end, (40, 220, 250), 1, cv2.LINE_AA, tipLength=0.3)
+    _draw_graph(frame[HEIGHT : HEIGHT + GRAPH], columns.rates)
+    cv2.putText(
+        frame, words[:70], (6, HEIGHT + GRAPH + 22), cv2.FONT_HERSHEY_SIMPLEX, 0.42, (30, 30, 30), 1, cv2.LINE_AA
+    )
+    return frame
+
+
+def bar_heights(rates: Floats) -> list[int | None]:
+    """Return the height of each column's bar in the graph, px; None where the time is not known."""
+    return [None if np.isnan(rate) else round(GRAPH * (1.0 - min(1.0, _time(rate) / LONGEST))) for rate in rates]
+
+
+def _draw_graph(graph: Pixels, rates: Floats) -> None:
+    """Draw a bar for each column: the nearer in time, the higher."""
+    edges = np.linspace(0, WIDTH, len(rates) + 1).round().astype(int)
+    for left, right, rate, height in zip(edges, edges[1:], rates, bar_heights(rates), strict=False):
+        if height is None:
+            graph[-6:, left + 1 : right] = _GREY
+        else:
+            colour = _RED if _time(rate) < 3.0 else _ORANGE if _time(rate) < 6.0 else _GREEN
+            graph[GRAPH - height :, left + 1 : right] = colour
+    for seconds in (2.0, 4.0, 6.0, 8.0):
+        graph[round(GRAPH * seconds / LONGEST), ::4] = _GREY
+
+
+def _time(rate: float) -> float:
+    return 1.0 / rate if rate > 1.0 / LONGEST else LONGEST
+
+
+class FilmWriter:
+    """Collects frames, and writes them at the end: a GIF with Pillow, or an MP4 with OpenCV."""
+
+    def __init__(self, file: Path, most: int) -> None:
+        """Begin. file: ends in .gif or .mp4. most: frames; further ones are dropped."""
+        self.file = file
+        self._most = most
+        self._frames: list[Any] = []  # JPEGs, which need a tenth of the memory
+
+    def add(self, frame: Pixels) -> None:
+        """Add a frame: blue, green and red."""
+        import cv2
+
+        if len(self._frames) < self._most:
+            self._frames.append(cv2.imencode(".jpg", frame, [cv2.IMWRITE_JPEG_QUALITY, 90])[1])
+
+    def close(self) -> int:
+        """Write the film; returns the number of frames. Without frames there is no file.
+
+        Raises:
+            OSError: The file cannot be written.
+        """
+        import cv2
+
+        frames = (np.asarray(cv2.imdecode(each, cv2.IMREAD_COLOR), np.uint8) for each in self._frames)
+        if not self._frames:
+            return 0
+        if self.file.suffix == ".gif":
+            from PIL import Image
+
+            first, *others = (Image.fromarray(frame[:, :, ::-1]).quantize(64) for frame in frames)
+            first.save(self.file, save_all=True, append_images=others, duration=1000 // PLAY, loop=0, optimize=False)
+        else:
+            size = (WIDTH, HEIGHT + GRAPH + TEXT)
+            writer = cv2.VideoWriter(str(self.file), cv2.VideoWriter.fourcc(*"mp4v"), PLAY, size)
+            if not writer.isOpened():
+                raise OSError(f"{self.file} cannot be written")
+            for frame in frames:
+                writer.write(frame)
+            writer.release()
+        return len(self._frames)

@@ -1,0 +1,132 @@
+"""Distances around the robot by what it remembers: ahead, at the sides, in each direction, and along curves."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from apps.optical_flow.columns import Floats
+from apps.optical_flow.memory import FloorMemory
+from apps.optical_flow.settings import FlowSettings
+from geometry import Pose2D
+
+_STEP = 0.25  # s along a curve
+_TURN_STEP = np.radians(6.0)
+_TURN_GAP = 0.02  # m between the hull and an obstacle while it turns on the spot
+_BESIDE = 0.5  # m before the axle to which obstacles count as beside the robot
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Surroundings:
+    """What is around the robot now. Distances are in m from the hull unless said otherwise; infinite for none.
+
+    points: obstacles, m in the frame of the robot, shape (n, 2). ahead: to an obstacle in the lane. known: along the
+    middle of the lane to where nothing is known. left, right: at the sides. bearings: of the directions, rad, left
+    positive. clear: m that the axle can go in each direction. fresh: m of that which were not visited lately.
+    """
+
+    points: Floats
+    ahead: float
+    known: float
+    left: float
+    right: float
+    bearings: Floats
+    clear: Floats
+    fresh: Floats
+
+    @classmethod
+    def around(cls, pose: Pose2D, time: float, memory: FloorMemory, settings: FlowSettings) -> "Surroundings":
+        """Return what the memory has around a pose at a time, s."""
+        robot, reach, cell = settings.robot, settings.memory.range_m, settings.memory.cell_m
+        points = memory.obstacles(pose)
+        half = robot.width_m / 2.0 + settings.drive.side_gap_m
+        x, y = points[:, 0], points[:, 1]
+        lane = (np.abs(y) < half) & (x > 0.0)
+        beside = (x > -robot.rear_m) & (x < _BESIDE)
+        left, right = y[beside & (y > 0.0)], -y[beside & (y <= 0.0)]
+        steps = np.arange(cell / 2.0, reach, cell)
+        middle = steps[steps > robot.front_m]
+        is_known = memory.are_known(pose, np.stack((middle, np.zeros(len(middle))), axis=1))
+        unknown = middle[~is_known]
+        bearings = np.linspace(-np.pi, np.pi, settings.coverage.directions, endpoint=False)
+        clear = _clear(points, bearings, half, reach)
+        rays = np.stack((np.outer(np.cos(bearings), steps), np.outer(np.sin(bearings), steps)), axis=2)
+        newness = memory.newness(pose, rays.reshape(-1, 2), time).reshape(len(bearings), -1)
+        fresh = np.where(steps[None, :] < clear[:, None], newness, 0.0).sum(axis=1) * cell
+        return cls(
+            points,
+            float(x[lane].min(initial=np.inf)) - robot.front_m,
+            float(unknown.min(initial=reach)) - robot.front_m,
+            float(left.min(initial=np.inf)) - robot.width_m / 2.0,
+            float(right.min(initial=np.inf)) - robot.width_m / 2.0,
+            bearings,
+            clear,
+            fresh,
+        )
+
+    def toward(self, bearing: float, width: float) -> float:
+        """Return the largest clear distance, m from the axle, within `width` rad about a bearing."""
+        away = np.abs(np.remainder(self.bearings - bearing + np.pi, 2.0 * np.pi) - np.pi)
+        return float(self.clear[away <= width / 2.0].max(initial=0.0))
+
+    def free_curves(self, speed: float, turns: Floats, settings: FlowSettings) -> np.ndarray:
+        """Return for each turn rate, rad/s, whether the curve at a speed, m/s, is free of obstacles."""
+        robot, drive = settings.robot, settings.drive
+        reach = speed * drive.horizon_s + robot.front_m + 0.5
+        near = self.points[np.hypot(*self.points.T) < reach]
+        if not len(near):
+            return np.ones(len(turns), np.bool_)
+        times = np.arange(_STEP, drive.horizon_s + 1e-9, _STEP)
+        headings = np.outer(turns, times)
+        # The chord of an arc has half of its turn; sinc(0) is 1.
+        chord = speed * times[None, :] * np.sinc(headings / 2.0 / np.pi)
+        x, y = chord * np.cos(headings / 2.0), chord * np.sin(headings / 2.0)
+        ahead, aside = _seen_from(x, y, headings, near)
+        front = np.where(times < times[-1], robot.front_m, robot.front_m + drive.front_gap_m)[None, :, None]
+        struck = (ahead > -robot.rear_m) & (ahead < front) & (np.abs(aside) < robot.width_m / 2.0 + drive.side_gap_m)
+        # What touches the margin already must not hold the robot: it only must not come nearer.
+        now = (self._beside(near, settings))[None, None, :]
+        free: np.ndarray = ~(struck & ~now).any(axis=(1, 2))
+        return free
+
+    def can_turn(self, angle: float, settings: FlowSettings) -> bool:
+        """Return whether the hull can turn on the spot by an angle, rad, without an obstacle in its way."""
+        robot = settings.robot
+        near = self.points[np.hypot(*self.points.T) < robot.turning_m + 2 * _TURN_GAP]
+        if not len(near):
+            return True
+        headings = np.sign(angle) * np.arange(_TURN_STEP, abs(angle) + _TURN_STEP, _TURN_STEP)[None, :]
+        ahead, aside = _seen_from(np.zeros_like(headings), np.zeros_like(headings), headings, near)
+        inside = (ahead > -robot.rear_m - _TURN_GAP) & (ahead < robot.front_m + _TURN_GAP)
+        return not bool((inside & (np.abs(aside) < robot.width_m / 2.0 + _TURN_GAP)).any())
+
+    def can_back(self, distance: float, settings: FlowSettings) -> bool:
+        """Return whether the hull can go straight back by a distance, m."""
+        robot = settings.robot
+        x, y = self.points[:, 0], self.points[:, 1]
+        behind = (x < 0.0) & (x > -robot.rear_m - distance - _TURN_GAP)
+        return not bool((behind & (np.abs(y) < robot.width_m / 2.0)).any())
+
+    @staticmethod
+    def _beside(points: Floats, settings: FlowSettings) -> np.ndarray:
+        robot, gap = settings.robot, settings.drive.side_gap_m
+        x, y = points[:, 0], points[:, 1]
+        inside = (x > -robot.rear_m) & (x < robot.front_m) & (np.abs(y) < robot.width_m / 2.0 + gap)
+        return np.asarray(inside)
+
+
+def _clear(points: Floats, bearings: Floats, radius: float, reach: float) -> Floats:
+    """Return how far a disc can go in each direction, m."""
+    if not len(points):
+        return np.full(len(bearings), reach)
+    along = np.outer(np.cos(bearings), points[:, 0]) + np.outer(np.sin(bearings), points[:, 1])
+    across = np.outer(np.cos(bearings), points[:, 1]) - np.outer(np.sin(bearings), points[:, 0])
+    inside = np.maximum(radius**2 - across**2, 0.0)
+    until = np.where((np.abs(across) < radius) & (along > 0.0), along - np.sqrt(inside), reach)
+    return np.asarray(np.clip(until.min(axis=1), 0.0, reach))
+
+
+def _seen_from(x: Floats, y: Floats, headings: Floats, points: Floats) -> tuple[Floats, Floats]:
+    """Return points in the frames of poses: ahead and to the left, shape (*poses, points)."""
+    away_x, away_y = points[:, 0] - x[..., None], points[:, 1] - y[..., None]
+    cosine, sine = np.cos(headings)[..., None], np.sin(headings)[..., None]
+    return cosine * away_x + sine * away_y, cosine * away_y - sine * away_x
