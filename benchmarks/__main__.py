@@ -37,6 +37,7 @@ GROUPS = {
     "missions": "three hundred missions of the indoor navigation in lockstep; writes missions.md and pictures",
     "formation": "formations of three to five robots in lockstep; writes formation.md and pictures",
     "following": "robots that follow each other by sight, rendered in lockstep; writes following.md and pictures",
+    "optical_flow": "wandering by optical flow in textured rooms in lockstep; writes optical-flow.md and pictures",
     "vision": "colours, target and time to contact in drawn images, and the delay of the vision agents",
     "remote_vision": "age of an image when the browser has drawn it: over loopback, and with delay and loss",
     "flood": "how soon an e-stop is obeyed while other programs flood the gateway",

@@ -2,6 +2,7 @@
 
 import math
 import time
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -14,7 +15,7 @@ from apps.optical_flow.settings import FlowSettings
 from apps.optical_flow.wanderer import Readings, Wanderer, WanderOrders
 from bus import Sample, keys
 from bus.bus import Closeable
-from bus.messages import NS_PER_S, decode, heading, stamp_ns, twist
+from bus.messages import NS_PER_S, CompressedImage, decode, heading, stamp_ns, twist
 from geometry import Pose2D, Twist2D
 from p2os_emu.world import WorldSpec
 from p2os_emu.world.free_space import FreeSpace
@@ -30,11 +31,28 @@ CELL = 0.1  # m of the floor that is counted
 class FlowCourse(Closeable):
     """A robot that wanders in a world. The same arguments and calls give the same drive.
 
+    spoil: changes an image before it is used; None for one that does not come.
     cycles: processor time in s of each cycle: image decoded, flow, time to contact, and decision.
     """
 
-    def __init__(self, world: WorldSpec, settings: FlowSettings, *, seed: int = 0, perfect: bool = False) -> None:
-        """Place the robot at the first start of the world."""
+    def __init__(
+        self,
+        world: WorldSpec,
+        settings: FlowSettings,
+        *,
+        seed: int = 0,
+        perfect: bool = False,
+        has_vectors: bool = False,
+    ) -> None:
+        """Place the robot at the first start of the world.
+
+        Args:
+            world: Where.
+            settings: Of the application.
+            seed: Of every error.
+            perfect: No errors of odometry.
+            has_vectors: Whether `vectors` has the flow, for films.
+        """
         self.world = world
         self.settings = settings
         self.wanderer = Wanderer(settings)
@@ -44,7 +62,9 @@ class FlowCourse(Closeable):
         self.orders: WanderOrders | None = None
         self.columns: FlowColumns | None = None
         self.image: Pixels | None = None
-        self.is_muted = False
+        self.vectors: Sequence[Sequence[float]] = ()
+        self.spoil: Callable[[CompressedImage], CompressedImage | None] = lambda message: message
+        self._options = FlowOptions(vectors=has_vectors)
         self.lockstep = Lockstep(world, {ROBOT: MODEL}, fits={ROBOT: CAMERA}, seed=seed, perfect=perfect)
         self._bus = self.lockstep.bus()
         self._tools = FlowTools(has_noise=False)
@@ -56,6 +76,11 @@ class FlowCourse(Closeable):
         self._bus.subscribe(keys.BUMPERS.key(ROBOT), self._take_bumpers)
         self.lockstep.run(CONNECTING)
         self._bus.subscribe(keys.CAMERA.key(ROBOT), self._take_image)
+
+    @property
+    def time(self) -> float:
+        """Virtual time, s."""
+        return self.lockstep.time
 
     def run(self, seconds: float) -> None:
         """Let time pass."""
@@ -102,17 +127,18 @@ class FlowCourse(Closeable):
         self._touches = self._touches or flags.stall_left or flags.stall_right
 
     def _take_image(self, sample: Sample) -> None:
-        if self.is_muted:
-            return
         begin = time.process_time()
-        message = decode(sample.type_name, sample.payload)
+        message = self.spoil(decode(sample.type_name, sample.payload))
+        if message is None:
+            return
         stamp, before = stamp_ns(message.header) / NS_PER_S, self._tools.stamp
         turned = None if before is None else self._headings.turned(before, stamp)
         try:
             image = self._tools.decoded(message)
-            result = self._tools.result(image, stamp, CameraMotion(turned), {"field_of_view": VIEW}, FlowOptions())
+            result = self._tools.result(image, stamp, CameraMotion(turned), {"field_of_view": VIEW}, self._options)
             result["stamp"] = stamp
             self._trouble = result["trouble"] or ""
+            self.vectors = result.get("vectors", ())
             self.image = image.pixels
         except VisionError as err:
             result, self._trouble = {}, str(err)

@@ -13,6 +13,7 @@ IN_TERMINALS = "it runs until Ctrl-C, and is started by many tests"
 SUITE = "it is run by `make test` as a whole"
 FORMATION = "tests/apps/formation/test_on_a_team.py, with two robots"
 FOLLOWING = "tests/apps/robot_following/test_on_a_team.py, with two robots"
+OPTICAL_FLOW = "tests/apps/optical_flow/test_on_a_team.py"
 ELSEWHERE = {
     "acromovi try gripper": "tests/acromovi/test_scenes.py",
     "acromovi up acromovi": "tests/acromovi/team/test_team_of_seven.py",
@@ -37,6 +38,10 @@ ELSEWHERE = {
     "acromovi promote robot_following robot=happy": FOLLOWING,
     "acromovi ask robot_following@apps status": FOLLOWING,
     "acromovi teleop doc": "tests/acromovi/test_teleop.py",
+    "acromovi up lab.toml": OPTICAL_FLOW,
+    "acromovi run optical_flow robot=bart": OPTICAL_FLOW,
+    "acromovi promote optical_flow robot=bart": OPTICAL_FLOW,
+    "acromovi ask optical_flow@apps status": OPTICAL_FLOW,
     "acromovi teleop happy": "tests/acromovi/test_teleop.py",
     "acromovi container --services acromovi": IN_TERMINALS,
     "acromovi wire /dev/ttyUSB0 --listen /tmp/tapped": "tests/acromovi/test_wire.py",

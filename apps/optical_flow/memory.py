@@ -4,6 +4,8 @@ A time to contact is a distance once the robot's own speed is known, which its o
 against an obstacle is added up for each cell of the floor (Elfes, Computer 22, 1989), and fades: odometry drifts.
 """
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -55,6 +57,12 @@ class FloorMemory:
         self._visited[_wrapped(here + self._disc)] = time
         self._evidence[_wrapped(here + self._hull)] = -self._settings.memory.most_free
 
+    def turn_over(self, pose: Pose2D) -> None:
+        """Note that the robot has turned on the spot: the circle of its front corners is free."""
+        robot = self._settings.robot
+        circle = _disc(math.hypot(robot.front_m, robot.width_m / 2.0) - self._cell / 2.0, self._cell)
+        self._evidence[_wrapped(self._index(np.array([[pose.x, pose.y]])) + circle)] = -self._settings.memory.most_free
+
     def see(self, camera: Pose2D, bearings: Floats, depths: Floats, half_width: float) -> None:
         """Take what an image shows.
 
@@ -102,7 +110,7 @@ class FloorMemory:
         here = self._index(np.array([[pose.x, pose.y]]))
         cells = here + self._window
         cells = cells[self._evidence[_wrapped(cells)] >= self._settings.memory.obstacle]
-        middles: Floats = (cells + 0.5) * self._cell
+        middles = np.asarray((cells + 0.5) * self._cell, np.float64)
         return _located(pose, middles)
 
     def are_known(self, pose: Pose2D, places: Floats) -> NDArray[np.bool_]:

@@ -18,6 +18,7 @@ def worth(around: Surroundings, settings: FlowSettings) -> np.ndarray:
     """Return what each direction is worth, m: clear and not visited, less the turn; -inf where it is not clear."""
     coverage = settings.coverage
     value = 0.3 * around.clear + coverage.unvisited * around.fresh - coverage.turn_cost * np.abs(around.bearings)
+    value -= coverage.unknown_cost * (1.0 - around.sure)
     return np.where(around.clear >= _WAYS, value, -np.inf)
 
 

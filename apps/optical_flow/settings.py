@@ -37,6 +37,7 @@ class Drive:
     horizon_s: float
     side_gap_m: float
     front_gap_m: float
+    look_m: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,6 +81,7 @@ class Coverage:
     directions: int
     unvisited: float
     turn_cost: float
+    unknown_cost: float
     width_m: float
     fade_s: float
 

@@ -9,7 +9,6 @@ from apps.optical_flow.surroundings import Surroundings
 
 _SIDE = math.radians(60.0)  # direction of what counts as a side of a corner
 _SECTOR = math.radians(40.0)  # width of it
-_LOOK = 0.35  # m from the hull that must be known ahead
 _SEEN = 1.0  # m from the hull; an obstacle that is nearer shows that the images are no empty ones
 
 
@@ -63,7 +62,7 @@ def judge(around: Surroundings, settings: FlowSettings) -> Judgement:
         is_left = around.left < around.right
         side = Situation.LEFT if is_left else Situation.RIGHT
         return Judgement(side, f"{max(0.0, min(around.left, around.right)):.1f} m beside the robot")
-    if around.known < _LOOK and around.ahead > _SEEN:
+    if around.known < settings.drive.look_m and around.ahead > _SEEN:
         return Judgement(Situation.UNKNOWN, "no column ahead shows how far it is")
     return Judgement(Situation.FREE, f"{min(around.ahead, around.known):.1f} m are known to be free ahead")
 

@@ -12,6 +12,7 @@ from geometry import Pose2D
 _STEP = 0.25  # s along a curve
 _TURN_STEP = np.radians(6.0)
 _TURN_GAP = 0.02  # m between the hull and an obstacle while it turns on the spot
+_NEXT = 0.45  # m before the hull that the camera does not see beside its middle, so that it must have been seen before
 _BESIDE = 0.5  # m before the axle to which obstacles count as beside the robot
 
 
@@ -22,6 +23,7 @@ class Surroundings:
     points: obstacles, m in the frame of the robot, shape (n, 2). ahead: to an obstacle in the lane. known: along the
     middle of the lane to where nothing is known. left, right: at the sides. bearings: of the directions, rad, left
     positive. clear: m that the axle can go in each direction. fresh: m of that which were not visited lately.
+    sure: share of the floor next to the hull in each direction that is known to be free.
     """
 
     points: Floats
@@ -32,6 +34,7 @@ class Surroundings:
     bearings: Floats
     clear: Floats
     fresh: Floats
+    sure: Floats
 
     @classmethod
     def around(cls, pose: Pose2D, time: float, memory: FloorMemory, settings: FlowSettings) -> "Surroundings":
@@ -61,6 +64,7 @@ class Surroundings:
             bearings,
             clear,
             fresh,
+            _sure(pose, bearings, memory, settings),
         )
 
     def toward(self, bearing: float, width: float) -> float:
@@ -123,6 +127,16 @@ def _clear(points: Floats, bearings: Floats, radius: float, reach: float) -> Flo
     inside = np.maximum(radius**2 - across**2, 0.0)
     until = np.where((np.abs(across) < radius) & (along > 0.0), along - np.sqrt(inside), reach)
     return np.asarray(np.clip(until.min(axis=1), 0.0, reach))
+
+
+def _sure(pose: Pose2D, bearings: Floats, memory: FloorMemory, settings: FlowSettings) -> Floats:
+    """Return the share of the floor before the hull that is known to be free, if it looked in each direction."""
+    robot = settings.robot
+    ahead = np.arange(robot.front_m + 0.1, robot.front_m + _NEXT, settings.memory.cell_m)
+    x, y = (each.ravel() for each in np.meshgrid(ahead, np.linspace(-0.5, 0.5, 5) * robot.width_m))
+    cosine, sine = np.cos(bearings)[:, None], np.sin(bearings)[:, None]
+    places = np.stack((cosine * x - sine * y, sine * x + cosine * y), axis=2).reshape(-1, 2)
+    return np.asarray(memory.are_known(pose, places).reshape(len(bearings), -1).mean(axis=1))
 
 
 def _seen_from(x: Floats, y: Floats, headings: Floats, points: Floats) -> tuple[Floats, Floats]:

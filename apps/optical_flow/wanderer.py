@@ -237,6 +237,7 @@ class Wanderer:
                 return turned(left, self.settings)
             self._mode, self._has_target = _Mode.DRIVE, False
             self._way, self._probes, self._reflex = 0.0, True, math.inf
+            self.memory.turn_over(readings.pose)
             self._filter.force(judge(around, self.settings))
         current = self._filter.update(judge(around, self.settings), readings.time)
         if self._reflex < self.settings.memory.reflex_s:
@@ -258,7 +259,8 @@ class Wanderer:
             self._filter.force(Judgement(Situation.NEAR, "no curve ahead is free"))
             return self._turned_away(around, readings)
         slow = self.settings.drive.slow_m_s
-        if self._probes and twist.linear > slow:
+        is_unsure = self._probes or around.known < self.settings.drive.look_m
+        if is_unsure and twist.linear > slow:
             twist = Twist2D(slow, twist.angular * slow / twist.linear)
         return twist
 

@@ -1,0 +1,98 @@
+"""What the robot remembers, and the distances and situations that follow from it."""
+
+import numpy as np
+
+from apps.optical_flow.memory import FloorMemory
+from apps.optical_flow.situation import Situation, judge
+from apps.optical_flow.surroundings import Surroundings
+from geometry import Pose2D
+from tests.apps.optical_flow.toy import BEARINGS, SETTINGS
+
+HALF = abs(float(BEARINGS[1] - BEARINGS[0])) / 2.0
+HERE = Pose2D(2.0, 1.0, 0.7)
+
+
+def remembered(depths: np.ndarray, images: int = 5) -> Surroundings:
+    """What is around HERE after some images."""
+    memory = FloorMemory(SETTINGS)
+    memory.begin(HERE)
+    camera = HERE.compose(Pose2D(SETTINGS.robot.camera_m))
+    for _ in range(images):
+        memory.see(camera, BEARINGS, depths, HALF)
+    return Surroundings.around(HERE, 0.0, memory, SETTINGS)
+
+
+def flat(depth: float) -> np.ndarray:
+    return np.full(len(BEARINGS), depth)
+
+
+def test_a_wall_ahead_is_remembered_where_it_is() -> None:
+    around = remembered(flat(1.1))
+    assert abs(around.ahead - (1.2 - SETTINGS.robot.front_m)) < 0.1
+    assert judge(around, SETTINGS).situation is Situation.FRONT
+
+
+def test_near_walls_are_near_and_a_corner_has_walls_at_both_sides() -> None:
+    assert judge(remembered(flat(0.5)), SETTINGS).situation is Situation.NEAR
+    around = remembered(flat(0.5))
+    sides = np.array([(0.3, y) for y in np.arange(-0.6, 0.61, 0.1)] + [(x, y) for x in (0.0, 0.2) for y in (-0.5, 0.5)])
+    points = np.concatenate((around.points, sides))
+    clear = np.full(len(around.bearings), 0.3)
+    corner = Surroundings(points, 0.3, 0.3, 0.3, 0.3, around.bearings, clear, clear, clear)
+    assert judge(corner, SETTINGS).situation is Situation.CORNER
+
+
+def test_columns_without_flow_are_not_free() -> None:
+    around = remembered(flat(np.nan))
+    assert around.ahead == np.inf
+    assert around.known < SETTINGS.drive.look_m
+    assert judge(around, SETTINGS).situation is Situation.UNKNOWN
+    free = remembered(flat(np.inf))
+    assert judge(free, SETTINGS).situation is Situation.FREE
+
+
+def test_an_obstacle_at_one_side_is_named() -> None:
+    memory = FloorMemory(SETTINGS)
+    memory.begin(HERE)
+    memory.see(HERE, BEARINGS, flat(np.inf), HALF)
+    memory.block(HERE.compose(Pose2D(0.1, 0.15, np.pi / 2)), 0.25, 0.2)
+    found = judge(Surroundings.around(HERE, 0.0, memory, SETTINGS), SETTINGS)
+    assert found.situation is Situation.LEFT
+    assert "beside the robot" in found.reason
+
+
+def test_what_was_seen_is_forgotten_by_time_and_by_turns() -> None:
+    for time, headings in ((300.0, [0.7]), (1.0, [0.7 + 1.5 * n for n in range(40)])):
+        memory = FloorMemory(SETTINGS)
+        memory.begin(HERE)
+        memory.see(HERE, BEARINGS, flat(1.0), HALF)
+        assert len(memory.obstacles(HERE))
+        for heading in headings:
+            memory.pass_time(time, heading)
+        memory.pass_time(2.0 * time, headings[-1])
+        assert not len(memory.obstacles(HERE))
+
+
+def test_a_curve_into_an_obstacle_is_not_free_and_the_other_one_is() -> None:
+    depths = flat(np.inf)
+    depths[:6] = 0.8  # on the left
+    around = remembered(depths)
+    left, right = around.free_curves(0.2, np.array([0.3, -0.3]), SETTINGS)
+    assert not left
+    assert right
+
+
+def test_the_hull_cannot_turn_where_its_rear_would_strike() -> None:
+    memory = FloorMemory(SETTINGS)
+    memory.block(HERE.compose(Pose2D(-0.25, 0.0, np.pi / 2)), 0.27, 0.1)  # left of the rear end
+    around = Surroundings.around(HERE, 0.0, memory, SETTINGS)
+    assert not around.can_turn(-1.0, SETTINGS)
+    assert around.can_back(0.2, SETTINGS)
+
+
+def test_floor_that_was_visited_is_worth_less_until_it_is_old() -> None:
+    memory = FloorMemory(SETTINGS)
+    memory.drive_over(HERE, 10.0)
+    place = np.array([[0.0, 0.0], [2.0, 0.0]])
+    assert memory.newness(HERE, place, 10.0).tolist() == [0.0, 1.0]
+    assert memory.newness(HERE, place, 10.0 + SETTINGS.coverage.fade_s)[0] == 1.0

@@ -1,0 +1,124 @@
+"""The application as people run it: it drives, answers requests, and the robot stops when the application is lost."""
+
+import json
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from math import dist
+from pathlib import Path
+
+import pytest
+
+from tests.acromovi.team.running import RunningTeam, running
+from tests.shown import files
+from tests.waiting import end_of, wait_until
+
+ROOT = Path(__file__).parents[3]
+STEP, LITTLE = 0.1, 0.002  # s; m in that time, which a robot that stands does not go
+
+
+@pytest.fixture(scope="module")
+def team(tmp_path_factory: pytest.TempPathFactory) -> Iterator[RunningTeam]:
+    file = tmp_path_factory.mktemp("team") / "lab.toml"
+    file.write_text(files("optical-flow", "toml")[0] + BLIND)
+    with running(str(file)) as team:
+        yield team
+
+
+BLIND = """
+[[robots]]
+name = "lisa"
+model = "p3dx-sh"
+at_m = [5.6, 6.4]
+"""
+
+
+@contextmanager
+def wandering(team: RunningTeam, folder: Path, command: str = "run") -> "Iterator[subprocess.Popen[str]]":
+    """Run the application until the block ends."""
+    with subprocess.Popen(
+        [sys.executable, "-m", "acromovi", command, "optical_flow", "robot=bart", "--bus", team.profile],
+        cwd=folder,
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+    ) as process:
+        try:
+            wait_until(lambda: step(team) > 5 * LITTLE, "it drives")
+            yield process
+        finally:
+            if process.poll() is None:
+                process.send_signal(signal.SIGCONT)
+                process.kill()
+
+
+def step(team: RunningTeam) -> float:
+    """How far the robot goes in a moment, m."""
+    before = team.emulator().ask("truth", robot="bart")
+    time.sleep(STEP)
+    after = team.emulator().ask("truth", robot="bart")
+    return dist((before["x"], before["y"]), (after["x"], after["y"]))
+
+
+def wait_until_it_stands(team: RunningTeam) -> None:
+    wait_until(lambda: step(team) < LITTLE and step(team) < LITTLE, "it stands")
+
+
+@pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGSTOP], ids=["killed", "frozen"])
+def test_the_robot_stops_when_the_application_is_lost(team: RunningTeam, tmp_path: Path, how: signal.Signals) -> None:
+    with wandering(team, tmp_path) as process:
+        process.send_signal(how)
+        wait_until_it_stands(team)
+
+
+def test_ctrl_c_stops_the_robot_and_leaves_a_summary_a_picture_and_a_film(team: RunningTeam, tmp_path: Path) -> None:
+    with wandering(team, tmp_path) as process:
+        time.sleep(2.0)  # of film
+        process.send_signal(signal.SIGINT)
+        told, _ = end_of(process)
+    wait_until_it_stands(team)
+    assert process.returncode == 130
+    assert "bart wanders by optical flow at 0.2 m/s" in told
+    assert re.search(r"s: (unknown|free|obstacle \w+|obstacle in front): .+\n", told)
+    assert re.search(r"  bart: [\d.]+ m, [\d.]+ m\^2 of floor visited, touched nothing\n", told)
+    assert (tmp_path / "optical-flow.svg").read_text().startswith("<?xml")
+    assert (tmp_path / "optical-flow.gif").read_bytes().startswith(b"GIF")
+
+
+def test_as_an_agent_it_answers_requests(team: RunningTeam, tmp_path: Path) -> None:
+    with wandering(team, tmp_path, "promote"):
+        status = json.loads(team.acromovi("ask", "optical_flow@apps", "status").stdout)
+    assert status["robot"] == "bart"
+    assert status["reason"]
+    assert status["metres"] > 0.0
+    wait_until_it_stands(team)
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (["robot=lisa"], "lisa has no camera; it has "),
+        (["robot=brat"], "there is no robot 'brat'; did you mean 'bart'?"),
+        (["robot=bart", "seconds=-1"], "seconds must be 0 or more, not -1"),
+        (["robot=bart", "settings=none.toml"], "none.toml cannot be read"),
+        (["robot=bart", "picture=none/at/all.svg"], "the picture none/at/all.svg cannot be written"),
+        (["robot=bart", "film=flow.avi"], "name a file that ends in .gif or .mp4, in a folder that exists"),
+        (["robot=bart", "speed=1"], "does not take 'speed'"),
+    ],
+)
+def test_bad_input_is_one_sentence(
+    team: RunningTeam, words: list[str], told: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    from acromovi.__main__ import main
+
+    assert main(["run", "optical_flow", *words, "--bus", team.profile]) == 1
+    said = capsys.readouterr().err
+    assert said.startswith("acromovi run: ")
+    assert told in said
+    assert said.count("\n") == 1
