@@ -1,6 +1,7 @@
 """The application: reads the robot, steps the wanderer, drives, and answers requests."""
 
 import math
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -8,7 +9,7 @@ from typing import Any
 import numpy as np
 
 import configs
-from agents import Failed, Refused, Robot, RobotError, Team, request
+from agents import Failed, Refused, Robot, RobotError, Stopped, Team, request
 from apps.optical_flow.columns import FlowColumns
 from apps.optical_flow.feed import FlowFeed
 from apps.optical_flow.film import ENDINGS, FilmWriter, draw_frame
@@ -62,7 +63,8 @@ def main(
     me = team.robot(robot, having=("base", "camera"))
     feed = FlowFeed(me)
     writer = _writer(film, tuned)
-    me.element("flow").ask("configure", vectors=writer is not None)
+    flow = me.element("flow")
+    flow.ask("configure", vectors=writer is not None)  # dense, 16 columns: what the settings are made for
     record = FlowRecord(me.name)
     _running.record, _running.orders, _running.settings = record, None, tuned
     try:
@@ -70,6 +72,9 @@ def main(
         me.base.stop()
     finally:
         feed.close()
+        if writer is not None:
+            with suppress(RobotError, Stopped):  # the agent may have gone, and the program is ending
+                flow.ask("configure", vectors=False)
         _finish(record, picture, writer)
 
 

@@ -99,7 +99,9 @@ class FilmWriter:
         if self.file.suffix == ".gif":
             from PIL import Image
 
-            first, *others = (Image.fromarray(frame[:, :, ::-1]).quantize(64) for frame in frames)
+            first, *others = (
+                Image.fromarray(frame[:, :, ::-1]).quantize(64, Image.Quantize.FASTOCTREE) for frame in frames
+            )
             first.save(self.file, save_all=True, append_images=others, duration=1000 // PLAY, loop=0, optimize=False)
         else:
             size = (WIDTH, HEIGHT + GRAPH + TEXT)
