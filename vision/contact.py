@@ -183,8 +183,9 @@ class ContactEstimator:
         strip = np.flatnonzero((elevation < self._parameters.above) & (elevation > -self._parameters.below))[::_STEP]
         columns = np.arange(0, self._camera.width, _STEP)
         chosen = np.ix_(strip, columns)
-        along = gradient[chosen] / np.maximum(np.linalg.norm(gradient[chosen], axis=2, keepdims=True), 1e-9)
-        expansion = (self._geometry.of_expansion(focus)[chosen] * along).sum(axis=2)
+        slopes = gradient[chosen]
+        along = slopes / np.maximum(np.hypot(slopes[..., :1], slopes[..., 1:]), 1e-9)
+        expansion = (self._geometry.of_expansion(focus, chosen) * along).sum(axis=2)
         moved = (translation[chosen] * along).sum(axis=2)
         weights = texture[chosen] * np.abs(expansion)
         rates = moved / np.where(np.abs(expansion) < 1.0, np.copysign(1.0, expansion), expansion)

@@ -6,6 +6,7 @@ Lond. B 208, 1980).
 """
 
 from math import cos, sin
+from typing import Any
 
 import cv2
 import numpy as np
@@ -82,6 +83,7 @@ class FlowGeometry:
         # Pixels for a small change of each slope: the inverse of the derivative of slopes by pixels.
         by_column, by_row = (np.asarray(np.gradient(self.slopes, axis=axis)) for axis in (1, 0))
         self._per_slope: Floats = np.linalg.inv(np.stack((by_column, by_row), axis=3))
+        self._slope_per: Floats = np.linalg.inv(self._per_slope)
         y, z = self.slopes[..., 0], self.slopes[..., 1]
         one_by_one = np.stack(
             (
@@ -102,17 +104,18 @@ class FlowGeometry:
         flow: Floats = self.camera.pixels_of(turned).reshape(self._pixels.shape) - self._pixels
         return flow
 
-    def of_expansion(self, focus: tuple[float, float]) -> Floats:
+    def of_expansion(self, focus: tuple[float, float], chosen: Any = ...) -> Floats:
         """Return the flow of things that are one frame before contact, shape (height, width, 2), px.
 
         That of others is this over their time to contact, counted in frames.
 
         Args:
             focus: y / x and z / x of the direction of travel.
+            chosen: Index of the rows and columns of the result; all by default.
         """
-        away = self.slopes - np.array(focus)
+        away, per_slope = self.slopes[chosen] - np.array(focus), self._per_slope[chosen]
         # Written out, since NumPy multiplies many small matrices slowly.
-        flow: Floats = self._per_slope[..., 0] * away[..., :1] + self._per_slope[..., 1] * away[..., 1:]
+        flow: Floats = per_slope[..., 0] * away[..., :1] + per_slope[..., 1] * away[..., 1:]
         return flow
 
     def rotation_in(self, flow: Floats, focus: tuple[float, float], weights: Floats, step: int = 4) -> Floats:
@@ -145,7 +148,7 @@ class FlowGeometry:
 
         It is the point nearest to the lines along the flow of all pixels.
         """
-        moved = np.linalg.inv(self._per_slope[::step, ::step]) @ flow[::step, ::step, :, None]
+        moved = self._slope_per[::step, ::step] @ flow[::step, ::step, :, None]
         along = moved[..., 0].reshape(-1, 2)
         length = np.linalg.norm(flow[::step, ::step].reshape(-1, 2), axis=1)
         across = np.stack((-along[:, 1], along[:, 0]), axis=1)

@@ -19,18 +19,18 @@ def test_the_same_seed_gives_the_same_drive_and_nothing_is_touched() -> None:
     assert world == textured_room(2)
     assert world != textured_room(3)
     paths = []
-    for seconds in (8.0, 3.0):
+    for seconds in (5.0, 2.0):
         with FlowCourse(world, SETTINGS, seed=2) as course:
             course.run(seconds)
             assert course.touched() == []
             paths.append(course.path)
     assert paths[0][: len(paths[1])] == paths[1]
-    assert FloorCover(world).share(paths[0]) > 0.01
+    assert FloorCover(world).share(paths[0]) > 0.005
 
 
 def test_a_torn_image_and_a_camera_that_falls_silent_stop_the_robot_until_images_return() -> None:
     with FlowCourse(load_world("texture-lab"), SETTINGS, seed=1) as course:
-        course.run(4.0)
+        course.run(2.0)
         assert course.orders is not None
         assert course.orders.twist.linear > 0.0
         course.spoil = torn
@@ -38,10 +38,10 @@ def test_a_torn_image_and_a_camera_that_falls_silent_stop_the_robot_until_images
         assert course.orders.situation is Situation.BLIND
         assert course.orders.twist.linear == 0.0
         course.spoil = lambda message: None
-        course.run(1.0)
+        course.run(0.5)
         assert course.orders.twist.linear == 0.0
         course.spoil = lambda message: message
-        course.run(2.0)
+        course.run(1.0)
         assert course.orders.twist.linear > 0.0
 
 

@@ -15,18 +15,18 @@ PERIOD = SETTINGS.period_s
 def test_it_wanders_without_contact_and_never_stays_in_one_place() -> None:
     robot = ToyRobot()
     places = []
-    for _ in range(9):
+    for _ in range(6):
         robot.run(10.0)
         assert robot.gap > 0.0
         places.append((round(robot.pose.x), round(robot.pose.y)))
-    assert len(set(places)) >= 5
+    assert len(set(places)) >= 4
     assert {Situation.FREE, Situation.FRONT} <= {each.situation for each in robot.orders}
 
 
 def test_the_same_readings_give_the_same_orders() -> None:
     one, other = ToyRobot(), ToyRobot()
-    one.run(20.0)
-    other.run(20.0)
+    one.run(10.0)
+    other.run(10.0)
     assert one.orders == other.orders
 
 
