@@ -12,7 +12,7 @@ from agents.components.vision.flow_inputs import CameraMotion, FlowOptions, Head
 from agents.components.vision.flow_tools import FlowTools
 from apps.optical_flow.columns import FlowColumns
 from apps.optical_flow.settings import FlowSettings
-from apps.optical_flow.wanderer import Readings, Wanderer, WanderOrders
+from apps.optical_flow.wanderer import FlowReadings, Wanderer, WanderOrders
 from bus import Sample, keys
 from bus.bus import Closeable
 from bus.messages import NS_PER_S, CompressedImage, decode, heading, stamp_ns, twist
@@ -94,7 +94,7 @@ class FlowCourse(Closeable):
         begin = time.process_time()
         columns, self._fresh = self._fresh, None
         orders = self.wanderer.step(
-            Readings(self.lockstep.time, *self._odometry, columns, self._trouble, self._touches)
+            FlowReadings(self.lockstep.time, *self._odometry, columns, self._trouble, self._touches)
         )
         self.cycles.append(self._spent + time.process_time() - begin)
         self._spent, self._touches = 0.0, False

@@ -83,7 +83,7 @@ class FlowGeometry:
         # Pixels for a small change of each slope: the inverse of the derivative of slopes by pixels.
         by_column, by_row = (np.asarray(np.gradient(self.slopes, axis=axis)) for axis in (1, 0))
         self._per_slope: Floats = np.linalg.inv(np.stack((by_column, by_row), axis=3))
-        self._slope_per: Floats = np.linalg.inv(self._per_slope)
+        self._slope_per: Floats = np.asarray(np.linalg.inv(self._per_slope), np.float64)
         y, z = self.slopes[..., 0], self.slopes[..., 1]
         one_by_one = np.stack(
             (

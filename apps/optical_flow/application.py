@@ -16,7 +16,7 @@ from apps.optical_flow.film import ENDINGS, FilmWriter, draw_frame
 from apps.optical_flow.plots import draw_wandering
 from apps.optical_flow.record import FlowRecord
 from apps.optical_flow.settings import FlowSettings
-from apps.optical_flow.wanderer import Readings, Wanderer, WanderOrders
+from apps.optical_flow.wanderer import FlowReadings, Wanderer, WanderOrders
 from configs.extras import ExtraMissing, require
 
 SERVICES = ("optical-flow-navigation",)  # for the directory, when it runs as an agent
@@ -24,7 +24,7 @@ PLOTS = (".svg", ".png")
 
 
 @dataclass(slots=True)
-class _Running:
+class _Wandering:
     """What the requests are about."""
 
     record: FlowRecord | None = None
@@ -32,7 +32,7 @@ class _Running:
     settings: FlowSettings = field(default_factory=FlowSettings.load)
 
 
-_running = _Running()
+_running = _Wandering()
 
 
 def main(
@@ -146,7 +146,7 @@ def _driven(me: Robot, feed: FlowFeed, orders: WanderOrders) -> str:
     return ""
 
 
-def _film(writer: FilmWriter, feed: FlowFeed, readings: Readings, orders: WanderOrders) -> None:
+def _film(writer: FilmWriter, feed: FlowFeed, readings: FlowReadings, orders: WanderOrders) -> None:
     """Add a frame of the newest picture; it is at most one image older than the flow that is drawn over it."""
     image = feed.picture()
     if image is not None and readings.columns is not None:

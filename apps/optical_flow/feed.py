@@ -9,7 +9,7 @@ from typing import Any
 from agents import Robot, RobotError
 from agents.client.readings import OtherReading
 from apps.optical_flow.columns import FlowColumns
-from apps.optical_flow.wanderer import Readings
+from apps.optical_flow.wanderer import FlowReadings
 from geometry import Pose2D, Twist2D
 
 ANSWER_TIME = 1.0  # s for a reading
@@ -55,7 +55,7 @@ class FlowFeed:
         self._heard = -math.inf  # s, when it was new
         self._is_stalled = False
 
-    def read(self, now: float, patience: float) -> Readings | None:
+    def read(self, now: float, patience: float) -> FlowReadings | None:
         """Return what is known; None before the first odometry.
 
         Args:
@@ -79,7 +79,7 @@ class FlowFeed:
         pose = Pose2D(float(self._base["x"]), float(self._base["y"]), float(self._base["heading"]))
         twist = Twist2D(float(self._base["linear"]), float(self._base["angular"]))
         touches, self._is_stalled = bool(new.get("bumpers")) or self._is_stalled, False
-        return Readings(now, self._stamp, pose, twist, columns, trouble, touches)
+        return FlowReadings(now, self._stamp, pose, twist, columns, trouble, touches)
 
     def has_stalled(self) -> None:
         """Take a refusal to drive on against something for a contact."""

@@ -3,18 +3,18 @@
 import numpy as np
 
 from apps.optical_flow.settings import FlowSettings
-from apps.optical_flow.situation import Situation
-from apps.optical_flow.surroundings import Surroundings
+from apps.optical_flow.situation import FlowSituation
+from apps.optical_flow.surroundings import FlowSurroundings
 from geometry import Twist2D
 
 REST = Twist2D()
 _WAYS = 0.6  # m that must be clear in a direction that is chosen
 _CURVES = 17  # turn rates that are compared
-_AHEAD = {Situation.FREE: np.radians(50.0), Situation.UNKNOWN: np.radians(30.0)}
+_AHEAD = {FlowSituation.FREE: np.radians(50.0), FlowSituation.UNKNOWN: np.radians(30.0)}
 _SIDEWAYS = np.radians(80.0)
 
 
-def worth(around: Surroundings, settings: FlowSettings) -> np.ndarray:
+def worth(around: FlowSurroundings, settings: FlowSettings) -> np.ndarray:
     """Return what each direction is worth, m: clear and not visited, less the turn; -inf where it is not clear."""
     coverage = settings.coverage
     value = 0.3 * around.clear + coverage.unvisited * around.fresh - coverage.turn_cost * np.abs(around.bearings)
@@ -22,19 +22,19 @@ def worth(around: Surroundings, settings: FlowSettings) -> np.ndarray:
     return np.where(around.clear >= _WAYS, value, -np.inf)
 
 
-def direction_ahead(around: Surroundings, situation: Situation, settings: FlowSettings) -> float | None:
+def direction_ahead(around: FlowSurroundings, situation: FlowSituation, settings: FlowSettings) -> float | None:
     """Return the best bearing to steer to while driving, rad; None where none is clear."""
     value = worth(around, settings)
     value[np.abs(around.bearings) > _AHEAD.get(situation, _SIDEWAYS)] = -np.inf
-    if situation is Situation.LEFT:
+    if situation is FlowSituation.LEFT:
         value[around.bearings > 0.1] = -np.inf
-    if situation is Situation.RIGHT:
+    if situation is FlowSituation.RIGHT:
         value[around.bearings < -0.1] = -np.inf
     best = int(np.argmax(value))
     return float(around.bearings[best]) if np.isfinite(value[best]) else None
 
 
-def direction_around(around: Surroundings, settings: FlowSettings, least: float = 0.35) -> float:
+def direction_around(around: FlowSurroundings, settings: FlowSettings, least: float = 0.35) -> float:
     """Return the best bearing to turn to on the spot, rad, at least so many rad away from the heading."""
     value = worth(around, settings)
     value[np.abs(around.bearings) < least] = -np.inf
@@ -42,13 +42,15 @@ def direction_around(around: Surroundings, settings: FlowSettings, least: float 
     return float(around.bearings[best if np.isfinite(value[best]) else int(np.argmax(around.clear))])
 
 
-def steered(around: Surroundings, situation: Situation, bearing: float, settings: FlowSettings) -> Twist2D | None:
+def steered(
+    around: FlowSurroundings, situation: FlowSituation, bearing: float, settings: FlowSettings
+) -> Twist2D | None:
     """Return the twist toward a bearing, on the nearest curve that is free; None where there is none."""
     drive = settings.drive
     wanted = float(np.clip(drive.gain * bearing, -drive.steer_rad_s, drive.steer_rad_s))
     turns = np.linspace(-drive.steer_rad_s, drive.steer_rad_s, _CURVES)
     turns = turns[np.argsort(np.abs(turns - wanted), kind="stable")]
-    fast = drive.slow_m_s if situation in (Situation.UNKNOWN, Situation.NEAR) else drive.speed_m_s
+    fast = drive.slow_m_s if situation in (FlowSituation.UNKNOWN, FlowSituation.NEAR) else drive.speed_m_s
     for speed in (fast, drive.slow_m_s) if fast > drive.slow_m_s else (fast,):
         free = turns[around.free_curves(speed, turns, settings)]
         if len(free) and (speed == drive.slow_m_s or abs(free[0] - wanted) < drive.steer_rad_s):

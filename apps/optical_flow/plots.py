@@ -4,22 +4,22 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from apps.optical_flow.record import FlowRecord
-from apps.optical_flow.situation import Situation
+from apps.optical_flow.situation import FlowSituation
 from configs.extras import require
 from geometry import Polygon
 
 MOST = 1500  # points of a curve
 LONGEST = 12.0  # s of time to contact that are shown
 COLOURS = {
-    Situation.FREE: "#2a9d4a",
-    Situation.UNKNOWN: "#9aa0a6",
-    Situation.LEFT: "#1f77b4",
-    Situation.RIGHT: "#0f9aa8",
-    Situation.FRONT: "#d9a30d",
-    Situation.NEAR: "#d9530d",
-    Situation.CORNER: "#b5382f",
-    Situation.BLIND: "#3d4248",
-    Situation.CONTACT: "#c2409a",
+    FlowSituation.FREE: "#2a9d4a",
+    FlowSituation.UNKNOWN: "#9aa0a6",
+    FlowSituation.LEFT: "#1f77b4",
+    FlowSituation.RIGHT: "#0f9aa8",
+    FlowSituation.FRONT: "#d9a30d",
+    FlowSituation.NEAR: "#d9530d",
+    FlowSituation.CORNER: "#b5382f",
+    FlowSituation.BLIND: "#3d4248",
+    FlowSituation.CONTACT: "#c2409a",
 }
 
 

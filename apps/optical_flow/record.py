@@ -5,7 +5,7 @@ from collections import Counter
 from dataclasses import dataclass, field
 from itertools import pairwise
 
-from apps.optical_flow.situation import Situation
+from apps.optical_flow.situation import FlowSituation
 from geometry import Pose2D
 
 
@@ -21,11 +21,11 @@ class FlowRecord:
     times: list[float] = field(default_factory=list)
     poses: list[Pose2D] = field(default_factory=list)
     contacts: list[float] = field(default_factory=list)
-    situations: list[Situation] = field(default_factory=list)
+    situations: list[FlowSituation] = field(default_factory=list)
     told: list[str] = field(default_factory=list)
     touches: int = 0
 
-    def add(self, time: float, pose: Pose2D, contact: float, situation: Situation) -> None:
+    def add(self, time: float, pose: Pose2D, contact: float, situation: FlowSituation) -> None:
         """Add an entry."""
         self.times.append(time)
         self.poses.append(pose)

@@ -26,7 +26,7 @@ class RobotSize:
 
 
 @dataclass(frozen=True, slots=True)
-class Drive:
+class FlowDrive:
     """How the robot moves."""
 
     speed_m_s: float
@@ -52,7 +52,7 @@ class SituationLimits:
 
 
 @dataclass(frozen=True, slots=True)
-class Memory:
+class MemorySettings:
     """What is remembered of the surroundings."""
 
     range_m: float
@@ -75,7 +75,7 @@ class Memory:
 
 
 @dataclass(frozen=True, slots=True)
-class Coverage:
+class CoverageSettings:
     """What a direction is worth."""
 
     directions: int
@@ -87,7 +87,7 @@ class Coverage:
 
 
 @dataclass(frozen=True, slots=True)
-class Safety:
+class FlowSafety:
     """When the robot stops."""
 
     silent_s: float
@@ -98,7 +98,7 @@ class Safety:
 
 
 @dataclass(frozen=True, slots=True)
-class Film:
+class FilmSettings:
     """Frames of the film."""
 
     rate: float
@@ -112,12 +112,12 @@ class FlowSettings:
     period_s: float
     report_s: float
     robot: RobotSize
-    drive: Drive
+    drive: FlowDrive
     situation: SituationLimits
-    memory: Memory
-    coverage: Coverage
-    safety: Safety
-    film: Film
+    memory: MemorySettings
+    coverage: CoverageSettings
+    safety: FlowSafety
+    film: FilmSettings
 
     @classmethod
     def load(cls, file: str | Path | None = None) -> "FlowSettings":

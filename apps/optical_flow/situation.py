@@ -5,14 +5,14 @@ from dataclasses import dataclass
 from enum import Enum
 
 from apps.optical_flow.settings import FlowSettings
-from apps.optical_flow.surroundings import Surroundings
+from apps.optical_flow.surroundings import FlowSurroundings
 
 _SIDE = math.radians(60.0)  # direction of what counts as a side of a corner
 _SECTOR = math.radians(40.0)  # width of it
 _SEEN = 1.0  # m from the hull; an obstacle that is nearer shows that the images are no empty ones
 
 
-class Situation(Enum):
+class FlowSituation(Enum):
     """What the robot reacts to, from the least to the most urgent one.
 
     UNKNOWN: nothing is known ahead. BLIND: there are no usable images. CONTACT: something touches the robot.
@@ -31,19 +31,19 @@ class Situation(Enum):
     @property
     def urgency(self) -> int:
         """Rank; left and right have the same."""
-        order = list(Situation)
-        return order.index(Situation.LEFT) if self is Situation.RIGHT else order.index(self)
+        order = list(FlowSituation)
+        return order.index(FlowSituation.LEFT) if self is FlowSituation.RIGHT else order.index(self)
 
 
 @dataclass(frozen=True, slots=True)
-class Judgement:
+class SituationJudgement:
     """A situation and the reason for it, in words."""
 
-    situation: Situation
+    situation: FlowSituation
     reason: str
 
 
-def judge(around: Surroundings, settings: FlowSettings) -> Judgement:
+def judge(around: FlowSurroundings, settings: FlowSettings) -> SituationJudgement:
     """Return the situation by what is around the robot."""
     limits, speed = settings.situation, settings.drive.speed_m_s
     contact = max(0.0, around.ahead) / speed
@@ -51,20 +51,20 @@ def judge(around: Surroundings, settings: FlowSettings) -> Judgement:
     half = settings.robot.width_m / 2.0
     if contact < limits.near_s or around.ahead < limits.corner_m:
         if max(left, right) < limits.corner_m + half:
-            return Judgement(
-                Situation.CORNER, f"{around.ahead:.1f} m are free ahead, {left:.1f} m left and {right:.1f} m right"
+            return SituationJudgement(
+                FlowSituation.CORNER, f"{around.ahead:.1f} m are free ahead, {left:.1f} m left and {right:.1f} m right"
             )
         if contact < limits.near_s:
-            return Judgement(Situation.NEAR, f"contact ahead in {contact:.1f} s")
+            return SituationJudgement(FlowSituation.NEAR, f"contact ahead in {contact:.1f} s")
     if contact < limits.front_s:
-        return Judgement(Situation.FRONT, f"contact ahead in {contact:.1f} s")
+        return SituationJudgement(FlowSituation.FRONT, f"contact ahead in {contact:.1f} s")
     if min(around.left, around.right) < limits.side_m:
         is_left = around.left < around.right
-        side = Situation.LEFT if is_left else Situation.RIGHT
-        return Judgement(side, f"{max(0.0, min(around.left, around.right)):.1f} m beside the robot")
+        side = FlowSituation.LEFT if is_left else FlowSituation.RIGHT
+        return SituationJudgement(side, f"{max(0.0, min(around.left, around.right)):.1f} m beside the robot")
     if around.known < settings.drive.look_m and around.ahead > _SEEN:
-        return Judgement(Situation.UNKNOWN, "no column ahead shows how far it is")
-    return Judgement(Situation.FREE, f"{min(around.ahead, around.known):.1f} m are known to be free ahead")
+        return SituationJudgement(FlowSituation.UNKNOWN, "no column ahead shows how far it is")
+    return SituationJudgement(FlowSituation.FREE, f"{min(around.ahead, around.known):.1f} m are known to be free ahead")
 
 
 class SituationFilter:
@@ -72,11 +72,11 @@ class SituationFilter:
 
     def __init__(self, hold: float) -> None:
         """Begin with an unknown one. hold: s."""
-        self.current = Judgement(Situation.UNKNOWN, "no image has come yet")
+        self.current = SituationJudgement(FlowSituation.UNKNOWN, "no image has come yet")
         self._hold = hold
         self._calm_since = math.inf
 
-    def update(self, judged: Judgement, time: float) -> Judgement:
+    def update(self, judged: SituationJudgement, time: float) -> SituationJudgement:
         """Take the situation of a time, s; returns the one that counts."""
         if judged.situation.urgency >= self.current.situation.urgency:
             self.current, self._calm_since = judged, math.inf
@@ -86,6 +86,6 @@ class SituationFilter:
                 self.force(judged)
         return self.current
 
-    def force(self, judged: Judgement) -> None:
+    def force(self, judged: SituationJudgement) -> None:
         """Take a situation at once."""
         self.current, self._calm_since = judged, math.inf

@@ -17,7 +17,7 @@ _BESIDE = 0.5  # m before the axle to which obstacles count as beside the robot
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Surroundings:
+class FlowSurroundings:
     """What is around the robot now. Distances are in m from the hull unless said otherwise; infinite for none.
 
     points: obstacles, m in the frame of the robot, shape (n, 2). ahead: to an obstacle in the lane. known: along the
@@ -37,7 +37,7 @@ class Surroundings:
     sure: Floats
 
     @classmethod
-    def around(cls, pose: Pose2D, time: float, memory: FloorMemory, settings: FlowSettings) -> "Surroundings":
+    def around(cls, pose: Pose2D, time: float, memory: FloorMemory, settings: FlowSettings) -> "FlowSurroundings":
         """Return what the memory has around a pose at a time, s."""
         robot, reach, cell = settings.robot, settings.memory.range_m, settings.memory.cell_m
         points = memory.obstacles(pose)

@@ -11,8 +11,8 @@ from apps.optical_flow.columns import Floats, FlowColumns
 from apps.optical_flow.memory import FloorMemory
 from apps.optical_flow.movement import REST, direction_ahead, direction_around, steered, turned
 from apps.optical_flow.settings import FlowSettings
-from apps.optical_flow.situation import Judgement, Situation, SituationFilter, judge
-from apps.optical_flow.surroundings import Surroundings
+from apps.optical_flow.situation import FlowSituation, SituationFilter, SituationJudgement, judge
+from apps.optical_flow.surroundings import FlowSurroundings
 from geometry import Pose2D, Twist2D, wrap_angle
 
 _POSES = 40  # odometry readings that are kept
@@ -24,7 +24,7 @@ _BACKING = 0.1  # m/s
 
 
 @dataclass(frozen=True, slots=True)
-class Readings:
+class FlowReadings:
     """What is known at one time.
 
     time: s on a steady clock. stamp: of the odometry, s on the clock of the images. pose, twist: by odometry.
@@ -46,12 +46,12 @@ class WanderOrders:
     """What to do. changed: whether the situation is another one than before."""
 
     twist: Twist2D
-    situation: Situation
+    situation: FlowSituation
     reason: str
     changed: bool
 
 
-class _Mode(Enum):
+class _WanderMode(Enum):
     DRIVE = 0
     TURN = 1
     BACK = 2
@@ -69,7 +69,7 @@ class Wanderer:
         self.memory = FloorMemory(settings)
         self.contacts = 0
         self._filter = SituationFilter(settings.situation.hold_s)
-        self._mode = _Mode.DRIVE
+        self._mode = _WanderMode.DRIVE
         self._poses: deque[tuple[float, Pose2D, Twist2D]] = deque(maxlen=_POSES)
         self._begun = False
         self._image_at = -math.inf  # s, when the last usable image came
@@ -88,7 +88,7 @@ class Wanderer:
         self._probes = True  # until images have shown what is ahead after a turn on the spot
         self._reflex = math.inf  # s, the time to contact in the lane by the newest image alone
 
-    def step(self, readings: Readings) -> WanderOrders:
+    def step(self, readings: FlowReadings) -> WanderOrders:
         """Take readings, and return what to do now."""
         before, dt = self._filter.current, self._take_pose(readings)
         self._take_columns(readings, dt)
@@ -98,7 +98,7 @@ class Wanderer:
 
     # Readings
 
-    def _take_pose(self, readings: Readings) -> float:
+    def _take_pose(self, readings: FlowReadings) -> float:
         dt = 0.0 if self._time is None else readings.time - self._time
         self._time = readings.time
         if not self._begun:
@@ -108,7 +108,7 @@ class Wanderer:
             if self._poses:
                 last = self._poses[-1][1]
                 self._way += math.dist((last.x, last.y), (readings.pose.x, readings.pose.y))
-                if self._filter.current.situation is Situation.UNKNOWN:
+                if self._filter.current.situation is FlowSituation.UNKNOWN:
                     self._unknown_way += math.dist((last.x, last.y), (readings.pose.x, readings.pose.y))
                 else:
                     self._unknown_way = 0.0
@@ -120,7 +120,7 @@ class Wanderer:
         self._moving_since = min(self._moving_since, readings.stamp) if is_steady else math.inf
         return dt
 
-    def _take_columns(self, readings: Readings, dt: float) -> None:
+    def _take_columns(self, readings: FlowReadings, dt: float) -> None:
         columns = readings.columns
         if columns is None:
             return
@@ -175,17 +175,19 @@ class Wanderer:
 
     # Orders
 
-    def _stop_reason(self, readings: Readings) -> Twist2D | None:
+    def _stop_reason(self, readings: FlowReadings) -> Twist2D | None:
         """Return the orders where the situation is none of the surroundings."""
         safety = self.settings.safety
-        if readings.touches and self._mode is not _Mode.BACK:
+        if readings.touches and self._mode is not _WanderMode.BACK:
             self.contacts += 1
             self.memory.block(readings.pose, self.settings.robot.front_m + 0.05, self.settings.robot.width_m)
             self._filter.force(
-                Judgement(Situation.CONTACT, f"something touches the robot; it backs off {safety.back_m:g} m")
+                SituationJudgement(
+                    FlowSituation.CONTACT, f"something touches the robot; it backs off {safety.back_m:g} m"
+                )
             )
-            self._begin(_Mode.BACK, readings, readings.time + 2.0 * safety.back_m / _BACKING)
-        if self._mode is _Mode.BACK:
+            self._begin(_WanderMode.BACK, readings, readings.time + 2.0 * safety.back_m / _BACKING)
+        if self._mode is _WanderMode.BACK:
             return self._backed(readings)
         silence = readings.time - self._image_at
         if readings.trouble:
@@ -197,17 +199,17 @@ class Wanderer:
         return None
 
     def _blind(self, why: str) -> Twist2D:
-        self._filter.force(Judgement(Situation.BLIND, f"{why}; the robot stands"))
-        self._mode, self._has_target, self._unmoved = _Mode.DRIVE, False, 0.0
+        self._filter.force(SituationJudgement(FlowSituation.BLIND, f"{why}; the robot stands"))
+        self._mode, self._has_target, self._unmoved = _WanderMode.DRIVE, False, 0.0
         return REST
 
-    def _frozen(self, readings: Readings) -> Twist2D:
+    def _frozen(self, readings: FlowReadings) -> Twist2D:
         """Stand, and turn a little now and then to see whether the images move again."""
         if not self._is_frozen:
             self._is_frozen = True
-            self._begin(_Mode.CHECK, readings, readings.time + self.settings.safety.check_s)
+            self._begin(_WanderMode.CHECK, readings, readings.time + self.settings.safety.check_s)
         why = "the images do not move although the robot does: they are frozen, or nothing has a texture"
-        self._filter.force(Judgement(Situation.BLIND, why))
+        self._filter.force(SituationJudgement(FlowSituation.BLIND, why))
         self._has_target = False
         if readings.time < self._mode_until:
             return REST
@@ -217,46 +219,46 @@ class Wanderer:
         self._mode_until = readings.time + self.settings.safety.check_s
         return REST
 
-    def _backed(self, readings: Readings) -> Twist2D:
+    def _backed(self, readings: FlowReadings) -> Twist2D:
         gone = math.dist((readings.pose.x, readings.pose.y), (self._mode_from.x, self._mode_from.y))
         if gone < self.settings.safety.back_m and readings.time < self._mode_until:
             return Twist2D(-_BACKING, 0.0)
-        around = Surroundings.around(readings.pose, readings.time, self.memory, self.settings)
+        around = FlowSurroundings.around(readings.pose, readings.time, self.memory, self.settings)
         self._turn_to(direction_around(around, self.settings), readings)
         return REST
 
-    def _moved(self, readings: Readings, dt: float) -> Twist2D:
-        around = Surroundings.around(readings.pose, readings.time, self.memory, self.settings)
-        if self._mode is _Mode.CHECK:
-            self._mode = _Mode.DRIVE
-        if self._mode is _Mode.TURN:
+    def _moved(self, readings: FlowReadings, dt: float) -> Twist2D:
+        around = FlowSurroundings.around(readings.pose, readings.time, self.memory, self.settings)
+        if self._mode is _WanderMode.CHECK:
+            self._mode = _WanderMode.DRIVE
+        if self._mode is _WanderMode.TURN:
             left = wrap_angle(self._target - readings.pose.heading)
             if left * self._turn_sign < -_AT_HEADING and abs(left) > math.pi / 2:
                 left += math.copysign(2.0 * math.pi, self._turn_sign)  # the long way round is the free one
             if abs(left) > _AT_HEADING and readings.time < self._mode_until:
                 return turned(left, self.settings)
-            self._mode, self._has_target = _Mode.DRIVE, False
+            self._mode, self._has_target = _WanderMode.DRIVE, False
             self._way, self._probes, self._reflex = 0.0, True, math.inf
             self.memory.turn_over(readings.pose)
             self._filter.force(judge(around, self.settings))
         current = self._filter.update(judge(around, self.settings), readings.time)
         if self._reflex < self.settings.memory.reflex_s:
-            current = self._filter.current = Judgement(
-                Situation.NEAR, f"columns ahead show contact in {self._reflex:.1f} s"
+            current = self._filter.current = SituationJudgement(
+                FlowSituation.NEAR, f"columns ahead show contact in {self._reflex:.1f} s"
             )
             gap = self._reflex * self.settings.drive.speed_m_s
             self.memory.block(readings.pose, self.settings.robot.front_m + max(gap, 0.05), self.settings.robot.width_m)
             self._reflex = math.inf
-        if current.situation is Situation.UNKNOWN and self._unknown_way > self.settings.safety.unknown_m:
+        if current.situation is FlowSituation.UNKNOWN and self._unknown_way > self.settings.safety.unknown_m:
             self._unknown_way = 0.0
             self.memory.block(readings.pose, self.settings.robot.front_m + 0.2, self.settings.robot.width_m)
             return self._turned_away(around, readings)
-        if current.situation in (Situation.NEAR, Situation.CORNER):
+        if current.situation in (FlowSituation.NEAR, FlowSituation.CORNER):
             return self._turned_away(around, readings)
         bearing = self._steer_to(around, current.situation, readings)
         twist = None if bearing is None else steered(around, current.situation, bearing, self.settings)
         if twist is None:
-            self._filter.force(Judgement(Situation.NEAR, "no curve ahead is free"))
+            self._filter.force(SituationJudgement(FlowSituation.NEAR, "no curve ahead is free"))
             return self._turned_away(around, readings)
         slow = self.settings.drive.slow_m_s
         is_unsure = self._probes or around.known < self.settings.drive.look_m
@@ -264,7 +266,7 @@ class Wanderer:
             twist = Twist2D(slow, twist.angular * slow / twist.linear)
         return twist
 
-    def _steer_to(self, around: Surroundings, situation: Situation, readings: Readings) -> float | None:
+    def _steer_to(self, around: FlowSurroundings, situation: FlowSituation, readings: FlowReadings) -> float | None:
         """Return the bearing to steer to; another one only where it is clearly better."""
         best = direction_ahead(around, situation, self.settings)
         if best is None:
@@ -278,7 +280,7 @@ class Wanderer:
         self._target, self._has_target = wrap_angle(readings.pose.heading + best), True
         return best
 
-    def _turned_away(self, around: Surroundings, readings: Readings) -> Twist2D:
+    def _turned_away(self, around: FlowSurroundings, readings: FlowReadings) -> Twist2D:
         """Turn on the spot where the hull has room; else back off first."""
         bearing = direction_around(around, self.settings)
         if not around.can_turn(bearing, self.settings):
@@ -286,12 +288,12 @@ class Wanderer:
             if around.can_turn(other, self.settings):
                 bearing = other
             elif self._can_back(around, readings.pose):
-                self._begin(_Mode.BACK, readings, readings.time + 2.0 * self.settings.safety.back_m / _BACKING)
+                self._begin(_WanderMode.BACK, readings, readings.time + 2.0 * self.settings.safety.back_m / _BACKING)
                 return REST
         self._turn_to(bearing, readings)
         return REST
 
-    def _can_back(self, around: Surroundings, pose: Pose2D) -> bool:
+    def _can_back(self, around: FlowSurroundings, pose: Pose2D) -> bool:
         """Return whether the floor behind is known to be free, since the robot has come from there."""
         back, robot = self.settings.safety.back_m, self.settings.robot
         along = np.arange(robot.rear_m, robot.rear_m + back + 0.05, 0.05)
@@ -299,20 +301,22 @@ class Wanderer:
         places = np.stack(np.meshgrid(-along, across), axis=2).reshape(-1, 2)
         return around.can_back(back, self.settings) and bool(self.memory.are_known(pose, places).all())
 
-    def _turn_to(self, bearing: float, readings: Readings) -> None:
+    def _turn_to(self, bearing: float, readings: FlowReadings) -> None:
         self._turn_sign = bearing
         self._target = wrap_angle(readings.pose.heading + bearing)
-        self._begin(_Mode.TURN, readings, readings.time + 2.0 + 2.0 * abs(bearing) / self.settings.drive.turn_rad_s)
+        self._begin(
+            _WanderMode.TURN, readings, readings.time + 2.0 + 2.0 * abs(bearing) / self.settings.drive.turn_rad_s
+        )
 
-    def _begin(self, mode: _Mode, readings: Readings, until: float) -> None:
+    def _begin(self, mode: _WanderMode, readings: FlowReadings, until: float) -> None:
         self._mode, self._mode_until, self._mode_from = mode, until, readings.pose
 
 
-def _has_changed(before: Judgement, now: Judgement) -> bool:
+def _has_changed(before: SituationJudgement, now: SituationJudgement) -> bool:
     """Return whether there is something to tell: another situation, or another reason to stand."""
-    stands = now.situation is Situation.BLIND and now.reason != before.reason
+    stands = now.situation is FlowSituation.BLIND and now.reason != before.reason
     return now.situation is not before.situation or stands
 
 
-def _at(around: Surroundings, values: Floats, bearing: float) -> float:
+def _at(around: FlowSurroundings, values: Floats, bearing: float) -> float:
     return float(values[int(np.argmin(np.abs(np.remainder(around.bearings - bearing + np.pi, 2 * np.pi) - np.pi)))])

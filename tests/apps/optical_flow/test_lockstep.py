@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from apps.optical_flow.settings import FlowSettings
-from apps.optical_flow.situation import Situation
+from apps.optical_flow.situation import FlowSituation
 from benchmarks.flow_course import FloorCover, FlowCourse
 from benchmarks.textured_rooms import textured_room
 from bus.messages import CompressedImage
@@ -35,7 +35,7 @@ def test_a_torn_image_and_a_camera_that_falls_silent_stop_the_robot_until_images
         assert course.orders.twist.linear > 0.0
         course.spoil = torn
         course.run(0.3)
-        assert course.orders.situation is Situation.BLIND
+        assert course.orders.situation is FlowSituation.BLIND
         assert course.orders.twist.linear == 0.0
         course.spoil = lambda message: None
         course.run(0.5)

@@ -3,8 +3,8 @@
 import numpy as np
 
 from apps.optical_flow.memory import FloorMemory
-from apps.optical_flow.situation import Situation, judge
-from apps.optical_flow.surroundings import Surroundings
+from apps.optical_flow.situation import FlowSituation, judge
+from apps.optical_flow.surroundings import FlowSurroundings
 from geometry import Pose2D
 from tests.apps.optical_flow.toy import BEARINGS, SETTINGS
 
@@ -12,14 +12,14 @@ HALF = abs(float(BEARINGS[1] - BEARINGS[0])) / 2.0
 HERE = Pose2D(2.0, 1.0, 0.7)
 
 
-def remembered(depths: np.ndarray, images: int = 5) -> Surroundings:
+def remembered(depths: np.ndarray, images: int = 5) -> FlowSurroundings:
     """What is around HERE after some images."""
     memory = FloorMemory(SETTINGS)
     memory.begin(HERE)
     camera = HERE.compose(Pose2D(SETTINGS.robot.camera_m))
     for _ in range(images):
         memory.see(camera, BEARINGS, depths, HALF)
-    return Surroundings.around(HERE, 0.0, memory, SETTINGS)
+    return FlowSurroundings.around(HERE, 0.0, memory, SETTINGS)
 
 
 def flat(depth: float) -> np.ndarray:
@@ -29,26 +29,26 @@ def flat(depth: float) -> np.ndarray:
 def test_a_wall_ahead_is_remembered_where_it_is() -> None:
     around = remembered(flat(1.1))
     assert abs(around.ahead - (1.2 - SETTINGS.robot.front_m)) < 0.1
-    assert judge(around, SETTINGS).situation is Situation.FRONT
+    assert judge(around, SETTINGS).situation is FlowSituation.FRONT
 
 
 def test_near_walls_are_near_and_a_corner_has_walls_at_both_sides() -> None:
-    assert judge(remembered(flat(0.5)), SETTINGS).situation is Situation.NEAR
+    assert judge(remembered(flat(0.5)), SETTINGS).situation is FlowSituation.NEAR
     around = remembered(flat(0.5))
     sides = np.array([(0.3, y) for y in np.arange(-0.6, 0.61, 0.1)] + [(x, y) for x in (0.0, 0.2) for y in (-0.5, 0.5)])
     points = np.concatenate((around.points, sides))
     clear = np.full(len(around.bearings), 0.3)
-    corner = Surroundings(points, 0.3, 0.3, 0.3, 0.3, around.bearings, clear, clear, clear)
-    assert judge(corner, SETTINGS).situation is Situation.CORNER
+    corner = FlowSurroundings(points, 0.3, 0.3, 0.3, 0.3, around.bearings, clear, clear, clear)
+    assert judge(corner, SETTINGS).situation is FlowSituation.CORNER
 
 
 def test_columns_without_flow_are_not_free() -> None:
     around = remembered(flat(np.nan))
     assert around.ahead == np.inf
     assert around.known < SETTINGS.drive.look_m
-    assert judge(around, SETTINGS).situation is Situation.UNKNOWN
+    assert judge(around, SETTINGS).situation is FlowSituation.UNKNOWN
     free = remembered(flat(np.inf))
-    assert judge(free, SETTINGS).situation is Situation.FREE
+    assert judge(free, SETTINGS).situation is FlowSituation.FREE
 
 
 def test_an_obstacle_at_one_side_is_named() -> None:
@@ -56,8 +56,8 @@ def test_an_obstacle_at_one_side_is_named() -> None:
     memory.begin(HERE)
     memory.see(HERE, BEARINGS, flat(np.inf), HALF)
     memory.block(HERE.compose(Pose2D(0.1, 0.15, np.pi / 2)), 0.25, 0.2)
-    found = judge(Surroundings.around(HERE, 0.0, memory, SETTINGS), SETTINGS)
-    assert found.situation is Situation.LEFT
+    found = judge(FlowSurroundings.around(HERE, 0.0, memory, SETTINGS), SETTINGS)
+    assert found.situation is FlowSituation.LEFT
     assert "beside the robot" in found.reason
 
 
@@ -85,7 +85,7 @@ def test_a_curve_into_an_obstacle_is_not_free_and_the_other_one_is() -> None:
 def test_the_hull_cannot_turn_where_its_rear_would_strike() -> None:
     memory = FloorMemory(SETTINGS)
     memory.block(HERE.compose(Pose2D(-0.25, 0.0, np.pi / 2)), 0.27, 0.1)  # left of the rear end
-    around = Surroundings.around(HERE, 0.0, memory, SETTINGS)
+    around = FlowSurroundings.around(HERE, 0.0, memory, SETTINGS)
     assert not around.can_turn(-1.0, SETTINGS)
     assert around.can_back(0.2, SETTINGS)
 

@@ -4,7 +4,7 @@ from math import pi
 
 import pytest
 
-from apps.optical_flow.situation import Judgement, Situation, SituationFilter
+from apps.optical_flow.situation import FlowSituation, SituationFilter, SituationJudgement
 from geometry import Pose2D
 from tests.apps.optical_flow.toy import SETTINGS, ToyRobot
 
@@ -20,7 +20,7 @@ def test_it_wanders_without_contact_and_never_stays_in_one_place() -> None:
         assert robot.gap > 0.0
         places.append((round(robot.pose.x), round(robot.pose.y)))
     assert len(set(places)) >= 4
-    assert {Situation.FREE, Situation.FRONT} <= {each.situation for each in robot.orders}
+    assert {FlowSituation.FREE, FlowSituation.FRONT} <= {each.situation for each in robot.orders}
 
 
 def test_the_same_readings_give_the_same_orders() -> None:
@@ -45,7 +45,7 @@ def test_when_images_stop_it_stops_in_time_and_goes_on_when_they_return() -> Non
     assert robot.run(3.0).twist.linear > 0.0
     robot.has_images = False
     orders = robot.run(SAFETY.silent_s + 2 * PERIOD)
-    assert (orders.situation, orders.twist.linear, orders.twist.angular) == (Situation.BLIND, 0.0, 0.0)
+    assert (orders.situation, orders.twist.linear, orders.twist.angular) == (FlowSituation.BLIND, 0.0, 0.0)
     assert "no image comes" in orders.reason
     robot.has_images = True
     assert robot.run(2.0).twist.linear > 0.0
@@ -69,7 +69,7 @@ def test_frozen_images_stop_it_and_small_turns_find_out_when_they_move_again() -
     robot.run(3.0)
     robot.is_frozen = True
     orders = robot.run(SAFETY.unseen_s + 2 * PERIOD)
-    assert (orders.situation, orders.twist.linear) == (Situation.BLIND, 0.0)
+    assert (orders.situation, orders.twist.linear) == (FlowSituation.BLIND, 0.0)
     assert "frozen" in orders.reason
     before = robot.pose
     robot.run(3 * SAFETY.check_s)
@@ -77,7 +77,7 @@ def test_frozen_images_stop_it_and_small_turns_find_out_when_they_move_again() -
     assert any(each.twist.angular for each in robot.orders[-round(2 * SAFETY.check_s / PERIOD) :])
     robot.is_frozen = False
     robot.run(SAFETY.check_s + 2.0)
-    assert robot.orders[-1].situation is not Situation.BLIND
+    assert robot.orders[-1].situation is not FlowSituation.BLIND
     assert (robot.pose.x, robot.pose.y) != (before.x, before.y)
 
 
@@ -86,7 +86,7 @@ def test_where_nothing_has_a_texture_it_does_not_drive_on() -> None:
     robot.is_blank = True
     robot.run(20.0)
     assert abs(robot.pose.x - 3.0) < 0.2
-    assert robot.orders[-1].situation is Situation.BLIND
+    assert robot.orders[-1].situation is FlowSituation.BLIND
 
 
 def test_after_a_contact_it_backs_off_and_turns_away() -> None:
@@ -94,7 +94,7 @@ def test_after_a_contact_it_backs_off_and_turns_away() -> None:
     robot.run(3.0)
     before = robot.pose
     robot.touches = True
-    assert robot.step().situation is Situation.CONTACT
+    assert robot.step().situation is FlowSituation.CONTACT
     robot.touches = False
     robot.run(2.5)
     assert before.locate(robot.pose.x, robot.pose.y)[0] < -0.1
@@ -107,13 +107,13 @@ def test_in_a_corner_it_turns_round_on_the_spot() -> None:
     robot = ToyRobot(pose=Pose2D(4.4, 3.6, pi / 4))
     robot.run(12.0)
     turns = [each for each in robot.orders if each.twist.angular and not each.twist.linear]
-    assert {each.situation for each in turns} & {Situation.NEAR, Situation.CORNER}
+    assert {each.situation for each in turns} & {FlowSituation.NEAR, FlowSituation.CORNER}
     assert robot.gap > 0.1
 
 
 def test_a_less_urgent_situation_counts_only_when_it_lasts() -> None:
     found = SituationFilter(0.6)
-    front, free = Judgement(Situation.FRONT, "a"), Judgement(Situation.FREE, "b")
+    front, free = SituationJudgement(FlowSituation.FRONT, "a"), SituationJudgement(FlowSituation.FREE, "b")
     assert found.update(front, 0.0) is front
     assert found.update(free, 0.1) is front
     assert found.update(front, 0.4) is front

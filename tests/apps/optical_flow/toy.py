@@ -7,7 +7,7 @@ import numpy as np
 
 from apps.optical_flow.columns import Floats, FlowColumns
 from apps.optical_flow.settings import FlowSettings
-from apps.optical_flow.wanderer import Readings, Wanderer, WanderOrders
+from apps.optical_flow.wanderer import FlowReadings, Wanderer, WanderOrders
 from geometry import Pose2D, Twist2D
 
 SETTINGS = FlowSettings.load()
@@ -60,7 +60,9 @@ class ToyRobot:
         self.time += dt
         seen = self._seen() if self.has_images and not self.trouble else None
         self.orders.append(
-            self.wanderer.step(Readings(self.time, self.time, self.pose, self.twist, seen, self.trouble, self.touches))
+            self.wanderer.step(
+                FlowReadings(self.time, self.time, self.pose, self.twist, seen, self.trouble, self.touches)
+            )
         )
         self.twist = replace(self.orders[-1].twist)
         return self.orders[-1]
