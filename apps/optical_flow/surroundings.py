@@ -11,7 +11,7 @@ from geometry import Pose2D
 
 _STEP = 0.25  # s along a curve
 _TURN_STEP = np.radians(6.0)
-_TURN_GAP = 0.02  # m between the hull and an obstacle while it turns on the spot
+_TURN_GAP = 0.05  # m between the hull and an obstacle while it turns on the spot
 _NEXT = 0.45  # m before the hull that the camera does not see beside its middle, so that it must have been seen before
 _BESIDE = 0.5  # m before the axle to which obstacles count as beside the robot
 

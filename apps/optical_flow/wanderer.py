@@ -187,13 +187,13 @@ class Wanderer:
                 )
             )
             self._begin(_WanderMode.BACK, readings, readings.time + 2.0 * safety.back_m / _BACKING)
-        if self._mode is _WanderMode.BACK:
-            return self._backed(readings)
         silence = readings.time - self._image_at
         if readings.trouble:
             return self._blind(readings.trouble)
         if silence > safety.silent_s:
             return self._blind("no image has come yet" if math.isinf(silence) else "no image comes")
+        if self._mode is _WanderMode.BACK:
+            return self._backed(readings)
         if self._is_frozen or self._unmoved >= safety.unseen_s:
             return self._frozen(readings)
         return None
