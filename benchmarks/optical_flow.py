@@ -10,8 +10,10 @@ from functools import partial
 from itertools import pairwise
 from pathlib import Path
 
+import cv2
+
 from apps.optical_flow.application import least_contact
-from apps.optical_flow.film import FilmWriter, draw_frame
+from apps.optical_flow.film import FilmWriter, Pixels, draw_frame
 from apps.optical_flow.plots import draw_wandering
 from apps.optical_flow.record import FlowRecord
 from apps.optical_flow.settings import FlowSettings
@@ -59,6 +61,7 @@ def wander(seed: int, duration: float, out: Path | None = None) -> FlowScore:
     record = FlowRecord(ROBOT)
     with FlowCourse(world, FlowSettings.load(), seed=seed, has_vectors=is_drawn) as course:
         clean = math.inf
+        nearest: tuple[float, Pixels | None] = math.inf, None
         while course.time < duration:
             orders = course.step()
             if course.touched() and math.isinf(clean):
@@ -69,12 +72,17 @@ def wander(seed: int, duration: float, out: Path | None = None) -> FlowScore:
                 assert course.image is not None  # it drives
                 assert course.columns is not None
                 words = f"{course.time:.0f} s  {orders.situation.value}: {orders.reason}"
-                film.add(draw_frame(course.image, course.columns, course.vectors, words))
+                frame, contact = draw_frame(course.image, course.columns, course.vectors, words), record.contacts[-1]
+                film.add(frame)
+                if contact < nearest[0]:
+                    nearest = contact, frame
         visited, touched = FloorCover(world).share(course.path), tuple(course.touched())
         way = sum(math.dist((a.x, a.y), (b.x, b.y)) for a, b in pairwise(course.path))
         cycles = tuple(1e3 * each for each in course.cycles[20:])
     if film is not None and out is not None:
         film.close()
+        if nearest[1] is not None:
+            cv2.imwrite(str(out / "optical-flow-frame.png"), nearest[1])
         walls = [block.footprint for block in (*world.walls, *world.furniture)]
         draw_wandering(out / "optical-flow.svg", record, f"{duration / 60:.0f} min by optical flow, seed {seed}", walls)
     return FlowScore(seed, touched, min(clean, duration), visited, way, cycles)

@@ -12,7 +12,7 @@ from apps.optical_flow.columns import Floats, FlowColumns
 Pixels = NDArray[np.uint8]
 WIDTH, HEIGHT = 480, 360  # px of the image in a frame
 GRAPH, TEXT = 120, 34  # px of the graph and of the line of words below it
-LONGEST = 10.0  # s of time to contact at the top of the graph
+LONGEST = 20.0  # s of time to contact at the top of the graph
 PLAY = 10  # frames a second of the film
 ENDINGS = (".gif", ".mp4")
 _ARROW = 0.35  # s of flow that an arrow shows
@@ -41,9 +41,7 @@ def draw_frame(image: Pixels, columns: FlowColumns, vectors: Sequence[Sequence[f
         end = round((x + 0.5 + right * _ARROW) * across), round((y + 0.5 + below * _ARROW) * down)
         cv2.arrowedLine(frame[:HEIGHT], begin, end, (40, 220, 250), 1, cv2.LINE_AA, tipLength=0.3)
     _draw_graph(frame[HEIGHT : HEIGHT + GRAPH], columns.rates)
-    cv2.putText(
-        frame, words[:70], (6, HEIGHT + GRAPH + 22), cv2.FONT_HERSHEY_SIMPLEX, 0.42, (30, 30, 30), 1, cv2.LINE_AA
-    )
+    _write(frame, words[:75], HEIGHT + GRAPH + 22)
     return frame
 
 
@@ -61,8 +59,16 @@ def _draw_graph(graph: Pixels, rates: Floats) -> None:
         else:
             colour = _RED if _time(rate) < 3.0 else _ORANGE if _time(rate) < 6.0 else _GREEN
             graph[GRAPH - height :, left + 1 : right] = colour
-    for seconds in (2.0, 4.0, 6.0, 8.0):
-        graph[round(GRAPH * seconds / LONGEST), ::4] = _GREY
+    for seconds in (5, 10, 15):
+        row = round(GRAPH * seconds / LONGEST)
+        graph[row, ::4] = _GREY
+        _write(graph, f"{seconds} s", row - 2)
+
+
+def _write(area: Pixels, words: str, row: int) -> None:
+    import cv2
+
+    cv2.putText(area, words, (6, row), cv2.FONT_HERSHEY_SIMPLEX, 0.38, (30, 30, 30), 1, cv2.LINE_AA)
 
 
 def _time(rate: float) -> float:

@@ -8,7 +8,7 @@ from apps.optical_flow.situation import FlowSituation
 from configs.extras import require
 from geometry import Polygon
 
-MOST = 1500  # points of a curve
+MOST = 700  # points of a curve
 LONGEST = 12.0  # s of time to contact that are shown
 COLOURS = {
     FlowSituation.FREE: "#2a9d4a",
