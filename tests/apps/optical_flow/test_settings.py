@@ -1,9 +1,12 @@
-"""The settings file, and nonsense in it."""
+"""The settings file and the arguments, and nonsense in them."""
 
 from pathlib import Path
+from typing import Any, cast
 
 import pytest
 
+from agents import RobotError, Team
+from apps.optical_flow import main
 from apps.optical_flow.settings import FlowSettings
 from configs import ConfigError
 from tests.shown import files
@@ -34,4 +37,29 @@ def test_nonsense_is_refused_in_one_sentence(tmp_path: Path, text: str, told: st
     with pytest.raises(ConfigError) as refused:
         FlowSettings.load(mine)
     assert told in str(refused.value)
+    assert "\n" not in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        ({"seconds": -1.0}, "seconds must be 0 or more, not -1; 0 wanders for ever"),
+        ({"seconds": float("nan")}, "seconds must be 0 or more, not nan; 0 wanders for ever"),
+        ({"settings": "none.toml"}, "none.toml cannot be read: No such file or directory"),
+        (
+            {"picture": "none/at/all.svg"},
+            "the picture none/at/all.svg cannot be written; name a file that ends in .svg",
+        ),
+        ({"film": "flow.avi"}, "the film flow.avi cannot be written; name a file that ends in .gif or .mp4"),
+    ],
+)
+def test_arguments_that_make_no_sense_are_refused_before_a_robot_is_looked_for(
+    arguments: dict[str, Any], told: str
+) -> None:
+    class NoTeam:
+        """A team that must not be asked."""
+
+    with pytest.raises(RobotError) as refused:
+        main(cast(Team, NoTeam()), **arguments)
+    assert str(refused.value).startswith(told)
     assert "\n" not in str(refused.value)

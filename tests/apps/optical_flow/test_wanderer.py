@@ -15,11 +15,11 @@ PERIOD = SETTINGS.period_s
 def test_it_wanders_without_contact_and_never_stays_in_one_place() -> None:
     robot = ToyRobot()
     places = []
-    for _ in range(6):
+    for _ in range(5):
         robot.run(10.0)
         assert robot.gap > 0.0
         places.append((round(robot.pose.x), round(robot.pose.y)))
-    assert len(set(places)) >= 4
+    assert len(set(places)) >= 3
     assert {FlowSituation.FREE, FlowSituation.FRONT} <= {each.situation for each in robot.orders}
 
 
