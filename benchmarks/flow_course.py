@@ -12,7 +12,8 @@ from agents.components.vision.flow_inputs import CameraMotion, FlowOptions, Head
 from agents.components.vision.flow_tools import FlowTools
 from apps.optical_flow.columns import FlowColumns
 from apps.optical_flow.settings import FlowSettings
-from apps.optical_flow.wanderer import FlowReadings, Wanderer, WanderOrders
+from apps.optical_flow.sight import FlowReadings
+from apps.optical_flow.wanderer import Wanderer, WanderOrders
 from bus import Sample, keys
 from bus.bus import Closeable
 from bus.messages import NS_PER_S, CompressedImage, decode, heading, stamp_ns, twist

@@ -16,7 +16,8 @@ from apps.optical_flow.film import ENDINGS, FilmWriter, draw_frame
 from apps.optical_flow.plots import draw_wandering
 from apps.optical_flow.record import FlowRecord
 from apps.optical_flow.settings import FlowSettings
-from apps.optical_flow.wanderer import FlowReadings, Wanderer, WanderOrders
+from apps.optical_flow.sight import FlowReadings
+from apps.optical_flow.wanderer import Wanderer, WanderOrders
 from configs.extras import ExtraMissing, require
 
 SERVICES = ("optical-flow-navigation",)  # for the directory, when it runs as an agent

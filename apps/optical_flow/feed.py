@@ -9,7 +9,7 @@ from typing import Any
 from agents import Robot, RobotError
 from agents.client.readings import OtherReading
 from apps.optical_flow.columns import FlowColumns
-from apps.optical_flow.wanderer import FlowReadings
+from apps.optical_flow.sight import FlowReadings
 from geometry import Pose2D, Twist2D
 
 ANSWER_TIME = 1.0  # s for a reading

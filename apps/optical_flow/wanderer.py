@@ -1,44 +1,24 @@
 """Wandering by optical flow: takes readings, and returns twist, situation and reason. No bus and no clock."""
 
 import math
-from collections import deque
 from dataclasses import dataclass
 from enum import Enum
 
 import numpy as np
 
-from apps.optical_flow.columns import Floats, FlowColumns
+from apps.optical_flow.columns import Floats
 from apps.optical_flow.memory import FloorMemory
 from apps.optical_flow.movement import REST, direction_ahead, direction_around, steered, turned
 from apps.optical_flow.settings import FlowSettings
+from apps.optical_flow.sight import FlowReadings, FlowSight
 from apps.optical_flow.situation import FlowSituation, SituationFilter, SituationJudgement, judge
 from apps.optical_flow.surroundings import FlowSurroundings
 from geometry import Pose2D, Twist2D, wrap_angle
 
-_POSES = 40  # odometry readings that are kept
-_MOVES = 0.5  # px/s of flow from which on a column moves
 _AT_HEADING = 0.08  # rad
 _KEEP = 0.3  # m by which another direction must be better than the one that the robot steers to
 _CHECK_TURN, _CHECK_TIME = 0.3, 0.7  # rad/s and s of the turn that shows whether images are frozen
 _BACKING = 0.1  # m/s
-
-
-@dataclass(frozen=True, slots=True)
-class FlowReadings:
-    """What is known at one time.
-
-    time: s on a steady clock. stamp: of the odometry, s on the clock of the images. pose, twist: by odometry.
-    columns: of the newest image; None if no new one has come. trouble: why the newest image cannot be used; empty if
-    nothing is wrong. touches: whether bumpers or stalled wheels show a contact.
-    """
-
-    time: float
-    stamp: float
-    pose: Pose2D
-    twist: Twist2D
-    columns: FlowColumns | None = None
-    trouble: str = ""
-    touches: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,13 +48,9 @@ class Wanderer:
         self.settings = settings
         self.memory = FloorMemory(settings)
         self.contacts = 0
+        self._sight = FlowSight(settings, self.memory)
         self._filter = SituationFilter(settings.situation.hold_s)
         self._mode = _WanderMode.DRIVE
-        self._poses: deque[tuple[float, Pose2D, Twist2D]] = deque(maxlen=_POSES)
-        self._begun = False
-        self._image_at = -math.inf  # s, when the last usable image came
-        self._moving_since = math.inf  # stamp
-        self._unmoved = 0.0  # s for which columns have not moved although the robot does
         self._time: float | None = None
         self._target = 0.0  # heading to turn to or to steer to, rad
         self._has_target = False
@@ -84,96 +60,26 @@ class Wanderer:
         self._is_frozen = False
         self._check_sign = 1.0
         self._unknown_way = 0.0  # m driven where nothing is known
-        self._way = 0.0  # m driven since it turned on the spot
-        self._probes = True  # until images have shown what is ahead after a turn on the spot
-        self._reflex = math.inf  # s, the time to contact in the lane by the newest image alone
 
     def step(self, readings: FlowReadings) -> WanderOrders:
         """Take readings, and return what to do now."""
-        before, dt = self._filter.current, self._take_pose(readings)
-        self._take_columns(readings, dt)
-        twist = self._stop_reason(readings) or self._moved(readings, dt)
+        before = self._filter.current
+        self._take(readings)
+        twist = self._stop_reason(readings) or self._moved(readings)
         now = self._filter.current
         return WanderOrders(twist, now.situation, now.reason, _has_changed(before, now))
 
-    # Readings
-
-    def _take_pose(self, readings: FlowReadings) -> float:
+    def _take(self, readings: FlowReadings) -> None:
         dt = 0.0 if self._time is None else readings.time - self._time
-        self._time = readings.time
-        if not self._begun:
-            self._begun = True
+        if self._time is None:
             self.memory.begin(readings.pose)
-        if not self._poses or readings.stamp > self._poses[-1][0]:
-            if self._poses:
-                last = self._poses[-1][1]
-                self._way += math.dist((last.x, last.y), (readings.pose.x, readings.pose.y))
-                if self._filter.current.situation is FlowSituation.UNKNOWN:
-                    self._unknown_way += math.dist((last.x, last.y), (readings.pose.x, readings.pose.y))
-                else:
-                    self._unknown_way = 0.0
-            self._poses.append((readings.stamp, readings.pose, readings.twist))
+        self._time = readings.time
+        is_unknown = self._filter.current.situation is FlowSituation.UNKNOWN
         self.memory.pass_time(readings.time, readings.pose.heading)
         self.memory.drive_over(readings.pose, readings.time)
-        memory = self.settings.memory
-        is_steady = readings.twist.linear >= memory.least_m_s
-        self._moving_since = min(self._moving_since, readings.stamp) if is_steady else math.inf
-        return dt
-
-    def _take_columns(self, readings: FlowReadings, dt: float) -> None:
-        columns = readings.columns
-        if columns is None:
-            return
-        self._image_at = readings.time
-        moves = np.nan_to_num(columns.motion) > _MOVES
-        is_moving = abs(readings.twist.linear) > 0.04 or abs(readings.twist.angular) > 0.1
-        if moves.mean() > 0.2:
-            self._unmoved, self._is_frozen = 0.0, False
-        elif is_moving:
-            self._unmoved += dt
-        self._reflex = self._contact_in_lane(columns, readings.twist)
-        self._remember(columns)
-
-    def _remember(self, columns: FlowColumns) -> None:
-        memory, robot = self.settings.memory, self.settings.robot
-        at = min(self._poses, key=lambda each: abs(each[0] - columns.stamp))
-        if columns.stamp - self._moving_since < memory.settle_s or self._turns_fast(columns):
-            return
-        speed = self._speed(columns.stamp - columns.interval, columns.stamp)
-        if speed < memory.least_m_s:
-            return
-        with np.errstate(invalid="ignore", divide="ignore"):
-            depths = np.where(columns.rates > 1e-3, speed / columns.rates, np.inf)
-            doubtful = columns.deviations > memory.doubt * columns.rates + 0.03
-        depths = np.where(np.isnan(columns.rates) | doubtful, np.nan, depths)
-        camera = at[1].compose(Pose2D(robot.camera_m))
-        self._probes = False
-        half = float(np.abs(np.diff(columns.bearings)).mean()) / 2.0
-        self.memory.see(camera, columns.bearings, depths, half)
-
-    def _contact_in_lane(self, columns: FlowColumns, twist: Twist2D) -> float:
-        """Return the time to contact at full speed that enough columns in the lane are below, s; infinite for none."""
-        memory, robot = self.settings.memory, self.settings.robot
-        if self._way < memory.reflex_m or twist.linear < memory.least_m_s or self._turns_fast(columns):
-            return math.inf
-        with np.errstate(invalid="ignore", divide="ignore"):
-            depths = np.where(columns.rates > 1e-3, twist.linear / columns.rates, np.inf)
-            is_ahead = depths * np.abs(np.tan(columns.bearings)) < robot.width_m / 2.0
-        gaps = np.sort(depths[is_ahead]) - (robot.front_m - robot.camera_m)
-        number = int(memory.reflex_columns)
-        return float(gaps[number - 1]) / self.settings.drive.speed_m_s if len(gaps) >= number else math.inf
-
-    def _turns_fast(self, columns: FlowColumns) -> bool:
-        """Return whether the robot turned so fast, between the images that were compared, that it hides the flow."""
-        begin, most = columns.stamp - columns.interval - self.settings.period_s, self.settings.memory.most_rad_s
-        return any(abs(twist.angular) > most for stamp, _, twist in self._poses if stamp >= begin)
-
-    def _speed(self, begin: float, end: float) -> float:
-        """Return the mean speed forward between two stamps, m/s."""
-        kept = [twist.linear for stamp, _, twist in self._poses if begin <= stamp <= end]
-        return sum(kept) / len(kept) if kept else self._poses[-1][2].linear
-
-    # Orders
+        step = self._sight.take(readings, dt)
+        self._unknown_way = self._unknown_way + step if is_unknown else 0.0
+        self._is_frozen = self._is_frozen and not self._sight.moves
 
     def _stop_reason(self, readings: FlowReadings) -> Twist2D | None:
         """Return the orders where the situation is none of the surroundings."""
@@ -187,20 +93,21 @@ class Wanderer:
                 )
             )
             self._begin(_WanderMode.BACK, readings, readings.time + 2.0 * safety.back_m / _BACKING)
-        silence = readings.time - self._image_at
+        silence = readings.time - self._sight.image_at
         if readings.trouble:
             return self._blind(readings.trouble)
         if silence > safety.silent_s:
             return self._blind("no image has come yet" if math.isinf(silence) else "no image comes")
         if self._mode is _WanderMode.BACK:
             return self._backed(readings)
-        if self._is_frozen or self._unmoved >= safety.unseen_s:
+        if self._is_frozen or self._sight.unmoved >= safety.unseen_s:
             return self._frozen(readings)
         return None
 
     def _blind(self, why: str) -> Twist2D:
         self._filter.force(SituationJudgement(FlowSituation.BLIND, f"{why}; the robot stands"))
-        self._mode, self._has_target, self._unmoved = _WanderMode.DRIVE, False, 0.0
+        self._mode, self._has_target = _WanderMode.DRIVE, False
+        self._sight.unmoved = 0.0
         return REST
 
     def _frozen(self, readings: FlowReadings) -> Twist2D:
@@ -227,7 +134,7 @@ class Wanderer:
         self._turn_to(direction_around(around, self.settings), readings)
         return REST
 
-    def _moved(self, readings: FlowReadings, dt: float) -> Twist2D:
+    def _moved(self, readings: FlowReadings) -> Twist2D:
         around = FlowSurroundings.around(readings.pose, readings.time, self.memory, self.settings)
         if self._mode is _WanderMode.CHECK:
             self._mode = _WanderMode.DRIVE
@@ -238,17 +145,18 @@ class Wanderer:
             if abs(left) > _AT_HEADING and readings.time < self._mode_until:
                 return turned(left, self.settings)
             self._mode, self._has_target = _WanderMode.DRIVE, False
-            self._way, self._probes, self._reflex = 0.0, True, math.inf
+            self._sight.begin_anew()
             self.memory.turn_over(readings.pose)
             self._filter.force(judge(around, self.settings))
         current = self._filter.update(judge(around, self.settings), readings.time)
-        if self._reflex < self.settings.memory.reflex_s:
+        contact = self._sight.contact
+        if contact < self.settings.memory.reflex_s:
             current = self._filter.current = SituationJudgement(
-                FlowSituation.NEAR, f"columns ahead show contact in {self._reflex:.1f} s"
+                FlowSituation.NEAR, f"columns ahead show contact in {contact:.1f} s"
             )
-            gap = self._reflex * self.settings.drive.speed_m_s
+            gap = contact * self.settings.drive.speed_m_s
             self.memory.block(readings.pose, self.settings.robot.front_m + max(gap, 0.05), self.settings.robot.width_m)
-            self._reflex = math.inf
+            self._sight.contact = math.inf
         if current.situation is FlowSituation.UNKNOWN and self._unknown_way > self.settings.safety.unknown_m:
             self._unknown_way = 0.0
             self.memory.block(readings.pose, self.settings.robot.front_m + 0.2, self.settings.robot.width_m)
@@ -261,7 +169,7 @@ class Wanderer:
             self._filter.force(SituationJudgement(FlowSituation.NEAR, "no curve ahead is free"))
             return self._turned_away(around, readings)
         slow = self.settings.drive.slow_m_s
-        is_unsure = self._probes or around.known < self.settings.drive.look_m
+        is_unsure = not self._sight.has_seen or around.known < self.settings.drive.look_m
         if is_unsure and twist.linear > slow:
             twist = Twist2D(slow, twist.angular * slow / twist.linear)
         return twist

@@ -7,7 +7,8 @@ import numpy as np
 
 from apps.optical_flow.columns import Floats, FlowColumns
 from apps.optical_flow.settings import FlowSettings
-from apps.optical_flow.wanderer import FlowReadings, Wanderer, WanderOrders
+from apps.optical_flow.sight import FlowReadings
+from apps.optical_flow.wanderer import Wanderer, WanderOrders
 from geometry import Pose2D, Twist2D
 
 SETTINGS = FlowSettings.load()
