@@ -25,6 +25,7 @@ SEEDS = range(10, 30)  # settings were tuned on seeds 0 to 3
 DURATION = 600.0  # s
 CLEAN, VISITED, CYCLE_MS = 19 / 20, 0.4, 15.0
 FILM_FROM, FILM_TO, FILM_RATE = 20.0, 60.0, 2.0  # s and Hz, of the first seed
+STRAIGHT = 0.1  # rad/s, below which a frame shows the flow of driving
 GROUP = "optical_flow"
 
 
@@ -74,7 +75,7 @@ def wander(seed: int, duration: float, out: Path | None = None) -> FlowScore:
                 words = f"{course.time:.0f} s  {orders.situation.value}: {orders.reason}"
                 frame, contact = draw_frame(course.image, course.columns, course.vectors, words), record.contacts[-1]
                 film.add(frame)
-                if contact < nearest[0]:
+                if contact < nearest[0] and orders.twist.linear and abs(orders.twist.angular) < STRAIGHT:
                     nearest = contact, frame
         visited, touched = FloorCover(world).share(course.path), tuple(course.touched())
         way = sum(math.dist((a.x, a.y), (b.x, b.y)) for a, b in pairwise(course.path))
