@@ -18,6 +18,7 @@ from geometry import Pose2D, Twist2D, wrap_angle
 _AT_HEADING = 0.08  # rad
 _KEEP = 0.3  # m by which another direction must be better than the one that the robot steers to
 _CHECK_TURN, _CHECK_TIME = 0.3, 0.7  # rad/s and s of the turn that shows whether images are frozen
+_TURNS = (0.4, -0.4, 0.8, -0.8, 1.2, -1.2)  # rad, tried where there is no room for the best turn
 _BACKING = 0.1  # m/s
 
 
@@ -198,6 +199,11 @@ class Wanderer:
             elif self._can_back(around, readings.pose):
                 self._begin(_WanderMode.BACK, readings, readings.time + 2.0 * self.settings.safety.back_m / _BACKING)
                 return REST
+            else:
+                free = [each for each in _TURNS if around.can_turn(each, self.settings)]
+                if not free:
+                    return REST  # until what it remembers has faded
+                bearing = max(free, key=lambda each: _at(around, around.clear, each))
         self._turn_to(bearing, readings)
         return REST
 
