@@ -73,6 +73,7 @@ class FlowCourse(Closeable):
         self._odometry: tuple[float, Pose2D, Twist2D] | None = None
         self._fresh: FlowColumns | None = None
         self._trouble, self._touches, self._spent = "", False, 0.0
+        self._is_rear: bool | None = None
         self._bus.subscribe(keys.ODOM.key(ROBOT), self._take_odometry)
         self._bus.subscribe(keys.BUMPERS.key(ROBOT), self._take_bumpers)
         self.lockstep.run(CONNECTING)
@@ -95,10 +96,10 @@ class FlowCourse(Closeable):
         begin = time.process_time()
         columns, self._fresh = self._fresh, None
         orders = self.wanderer.step(
-            FlowReadings(self.lockstep.time, *self._odometry, columns, self._trouble, self._touches)
+            FlowReadings(self.lockstep.time, *self._odometry, columns, self._trouble, self._touches, self._is_rear)
         )
         self.cycles.append(self._spent + time.process_time() - begin)
-        self._spent, self._touches = 0.0, False
+        self._spent, self._touches, self._is_rear = 0.0, False, None
         self._bus.put(keys.CMD_VEL.key(ROBOT), twist(orders.twist.linear, orders.twist.angular))
         if orders.changed:
             self.told.append(f"{self.lockstep.time:.1f} s: {orders.situation.value}: {orders.reason}")
@@ -125,7 +126,10 @@ class FlowCourse(Closeable):
 
     def _take_bumpers(self, sample: Sample) -> None:
         flags = decode(sample.type_name, sample.payload)
-        self._touches = self._touches or flags.stall_left or flags.stall_right
+        pressed = any(flags.front) or any(flags.rear)
+        self._touches = self._touches or pressed or flags.stall_left or flags.stall_right
+        if pressed:
+            self._is_rear = not any(flags.front)
 
     def _take_image(self, sample: Sample) -> None:
         begin = time.process_time()

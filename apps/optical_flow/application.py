@@ -10,6 +10,7 @@ import numpy as np
 
 import configs
 from agents import Failed, Refused, Robot, RobotError, Stopped, Team, request
+from agents.client.element import ElementClient
 from apps.optical_flow.columns import FlowColumns
 from apps.optical_flow.feed import FlowFeed
 from apps.optical_flow.film import ENDINGS, FilmWriter, draw_frame
@@ -65,6 +66,7 @@ def main(
     feed = FlowFeed(me)
     writer = _writer(film, tuned)
     flow = me.element("flow")
+    found = _options(flow)
     flow.ask("configure", vectors=writer is not None)  # dense, 16 columns: what the settings are made for
     record = FlowRecord(me.name)
     _running.record, _running.orders, _running.settings = record, None, tuned
@@ -73,9 +75,8 @@ def main(
         me.base.stop()
     finally:
         feed.close()
-        if writer is not None:
-            with suppress(RobotError, Stopped):  # the agent may have gone, and the program is ending
-                flow.ask("configure", vectors=False)
+        with suppress(RobotError, Stopped):  # the agent may have gone, and the program is ending
+            flow.ask("configure", **found)
         _finish(record, picture, writer)
 
 
@@ -174,6 +175,15 @@ def _finish(record: FlowRecord, picture: str, writer: FilmWriter | None) -> None
             print(f"see {writer.file}, {count} frames", flush=True)
     except (OSError, ExtraMissing) as err:
         print(f"no picture: {err}", flush=True)
+
+
+def _options(flow: ElementClient[Any]) -> dict[str, Any]:
+    """Return the options of the flow agent that other programs use now, as a result of it shows them."""
+    try:
+        result = flow.ask("read")
+    except RobotError:  # there are no images yet, so nobody has results that could change
+        return {}
+    return {"method": result["method"], "columns": len(result["flow"]), "vectors": "vectors" in result}
 
 
 def _writer(film: str, settings: FlowSettings) -> FilmWriter | None:

@@ -1,7 +1,7 @@
 """Readings of one robot for the wanderer: odometry, bumpers, and the stream of the flow agent."""
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import Future, ThreadPoolExecutor, wait
 from dataclasses import dataclass
 from typing import Any
@@ -48,7 +48,7 @@ class FlowFeed:
         self._pool = ThreadPoolExecutor(4, "optical-flow")
         self._asked = {"flow": _Asked(self._next_result), "base": _Asked(self._odometry)}
         if robot.has("bumpers"):
-            self._asked["bumpers"] = _Asked(self._is_pressed)
+            self._asked["bumpers"] = _Asked(self._bumpers)
         self._picture = _Asked(lambda: robot.camera.picture().pixels())
         self._base: dict[str, Any] | None = None
         self._stamp = math.nan  # of the latest odometry
@@ -78,8 +78,9 @@ class FlowFeed:
             trouble = f"no odometry for {now - self._heard:.1f} s"
         pose = Pose2D(float(self._base["x"]), float(self._base["y"]), float(self._base["heading"]))
         twist = Twist2D(float(self._base["linear"]), float(self._base["angular"]))
-        touches, self._is_stalled = bool(new.get("bumpers")) or self._is_stalled, False
-        return FlowReadings(now, self._stamp, pose, twist, columns, trouble, touches)
+        bumpers = new.get("bumpers") or {}
+        touches, self._is_stalled = bool(bumpers.get("pressed")) or self._is_stalled, False
+        return FlowReadings(now, self._stamp, pose, twist, columns, trouble, touches, rear_only(bumpers))
 
     def has_stalled(self) -> None:
         """Take a refusal to drive on against something for a contact."""
@@ -115,8 +116,14 @@ class FlowFeed:
     def _odometry(self) -> dict[str, Any]:
         return dict(self._robot.base.ask("read", within=ANSWER_TIME))
 
-    def _is_pressed(self) -> bool:
-        return bool(self._robot.bumpers.ask("read", within=ANSWER_TIME)["pressed"])
+    def _bumpers(self) -> dict[str, Any]:
+        return dict(self._robot.bumpers.ask("read", within=ANSWER_TIME))
+
+
+def rear_only(bumpers: Mapping[str, Any]) -> bool | None:
+    """Return whether segments are pressed at the rear only; None where none is, as when only wheels stall."""
+    front, rear = (any(bumpers.get(name, ())) for name in ("front", "rear"))
+    return not front if front or rear else None
 
 
 def _answer(asked: _Asked) -> Any:

@@ -15,6 +15,8 @@ from geometry import Pose2D, wrap_angle
 
 SIDE = 400  # cells; what is farther apart than this shares a cell, and has faded before the robot gets there
 _RAYS = 3  # for each column
+_SUSPECTED = 1.35  # of the evidence of an obstacle: it has faded after 12 s
+_DOUBT = 0.97  # for each decision
 _KNOWN = 0.2  # evidence from which on a cell is known to be free
 Ints = NDArray[np.int64]
 
@@ -31,6 +33,7 @@ class FloorMemory:
         radius = settings.coverage.width_m / 2.0
         self._disc = _disc(radius, self._cell)
         self._hull = _disc(settings.robot.width_m / 2.0 - self._cell / 2.0, self._cell)
+        self._circle = _disc(settings.robot.turning_m + 2.0 * self._cell, self._cell)
         reach = int(settings.memory.range_m / self._cell) + 2
         self._window = np.stack(np.meshgrid(*[np.arange(-reach, reach + 1)] * 2, indexing="ij"), axis=2).reshape(-1, 2)
 
@@ -101,9 +104,16 @@ class FloorMemory:
 
     def block(self, pose: Pose2D, ahead: float, width: float) -> None:
         """Take something ahead for an obstacle that images do not show. ahead: m. width: of it, m."""
-        across = np.arange(-width / 2.0, width / 2.0 + 1e-9, self._cell / 2.0)
-        places = np.array([pose.transform(ahead, float(y)) for y in across])
-        self._add(self._index(places), 2.0 * self._settings.memory.most)
+        self._set(pose, ahead, width, self._settings.memory.most)
+
+    def suspect(self, pose: Pose2D, ahead: float, width: float) -> None:
+        """Take something ahead for an obstacle for some seconds, or until images confirm or deny it."""
+        self._set(pose, ahead, width, self._settings.memory.obstacle * _SUSPECTED)
+
+    def doubt(self, pose: Pose2D) -> None:
+        """Believe a little less in all obstacles that keep the hull from turning."""
+        at = _wrapped(self._index(np.array([[pose.x, pose.y]])) + self._circle)
+        self._evidence[at] = np.minimum(self._evidence[at], self._evidence[at] * _DOUBT)
 
     def obstacles(self, pose: Pose2D) -> Floats:
         """Return the middles of the obstacle cells around a pose, m in the frame of the robot, shape (n, 2)."""
@@ -121,6 +131,11 @@ class FloorMemory:
         """Return from 0 to 1 how long ago the robot was at places (m in the frame of the robot); 1 for never."""
         since = time - self._visited[_wrapped(self._index(_moved(pose, places)))]
         return np.asarray(np.minimum(since / self._settings.coverage.fade_s, 1.0))
+
+    def _set(self, pose: Pose2D, ahead: float, width: float, evidence: float) -> None:
+        across = np.arange(-width / 2.0, width / 2.0 + 1e-9, self._cell / 2.0)
+        at = _wrapped(self._index(np.array([pose.transform(ahead, float(y)) for y in across])))
+        self._evidence[at] = np.maximum(self._evidence[at], evidence)
 
     def _add(self, cells: Ints, evidence: float) -> None:
         memory = self._settings.memory

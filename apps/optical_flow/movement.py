@@ -9,6 +9,7 @@ from geometry import Twist2D
 
 REST = Twist2D()
 _WAYS = 0.6  # m that must be clear in a direction that is chosen
+_UNSEEN_COST = 0.2  # rad/s away from the wanted curve that the riskiest curve over floor that was never seen is worth
 _CURVES = 17  # turn rates that are compared
 _AHEAD = {FlowSituation.FREE: np.radians(50.0), FlowSituation.UNKNOWN: np.radians(30.0)}
 _SIDEWAYS = np.radians(80.0)
@@ -49,13 +50,22 @@ def steered(
     drive = settings.drive
     wanted = float(np.clip(drive.gain * bearing, -drive.steer_rad_s, drive.steer_rad_s))
     turns = np.linspace(-drive.steer_rad_s, drive.steer_rad_s, _CURVES)
-    turns = turns[np.argsort(np.abs(turns - wanted), kind="stable")]
+    costs = np.abs(turns - wanted) + _UNSEEN_COST * around.risks(turns, settings)
+    turns = turns[np.argsort(costs, kind="stable")]
     fast = drive.slow_m_s if situation in (FlowSituation.UNKNOWN, FlowSituation.NEAR) else drive.speed_m_s
     for speed in (fast, drive.slow_m_s) if fast > drive.slow_m_s else (fast,):
         free = turns[around.free_curves(speed, turns, settings)]
         if len(free) and (speed == drive.slow_m_s or abs(free[0] - wanted) < drive.steer_rad_s):
             return Twist2D(speed, float(free[0]))
     return None
+
+
+def crept(around: FlowSurroundings, settings: FlowSettings) -> Twist2D | None:
+    """Return a slow twist ahead on the straightest curve that is free; None where there is none."""
+    speed = settings.drive.slow_m_s / 2.0
+    turns = np.linspace(-settings.drive.turn_rad_s, settings.drive.turn_rad_s, _CURVES)
+    free = turns[around.free_curves(speed, turns, settings)]
+    return Twist2D(speed, float(free[np.argmin(np.abs(free))])) if len(free) else None
 
 
 def turned(bearing: float, settings: FlowSettings) -> Twist2D:

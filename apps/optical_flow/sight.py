@@ -24,6 +24,7 @@ class FlowReadings:
     time: s on a steady clock. stamp: of the odometry, s on the clock of the images. pose, twist: by odometry.
     columns: of the newest image; None if no new one has come. trouble: why the newest image cannot be used; empty if
     nothing is wrong. touches: whether bumpers or stalled wheels show a contact.
+    is_rear: whether only bumpers at the rear do; None where no bumper says where.
     """
 
     time: float
@@ -33,6 +34,7 @@ class FlowReadings:
     columns: FlowColumns | None = None
     trouble: str = ""
     touches: bool = False
+    is_rear: bool | None = None
 
 
 class FlowSight:

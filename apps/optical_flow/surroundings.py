@@ -13,6 +13,7 @@ _STEP = 0.25  # s along a curve
 _TURN_STEP = np.radians(6.0)
 _TURN_GAP = 0.05  # m between the hull and an obstacle while it turns on the spot
 _NEXT = 0.45  # m before the hull that the camera does not see beside its middle, so that it must have been seen before
+_UNSEEN = 4.0  # cells at the hull that make a curve as risky as one can be
 _BESIDE = 0.5  # m before the axle to which obstacles count as beside the robot
 
 
@@ -24,6 +25,7 @@ class FlowSurroundings:
     middle of the lane to where nothing is known. left, right: at the sides. bearings: of the directions, rad, left
     positive. clear: m that the axle can go in each direction. fresh: m of that which were not visited lately.
     sure: share of the floor next to the hull in each direction that is known to be free.
+    unseen: cells near the robot that are not known to be free, m in the frame of the robot, shape (n, 2).
     """
 
     points: Floats
@@ -35,6 +37,7 @@ class FlowSurroundings:
     clear: Floats
     fresh: Floats
     sure: Floats
+    unseen: Floats
 
     @classmethod
     def around(cls, pose: Pose2D, time: float, memory: FloorMemory, settings: FlowSettings) -> "FlowSurroundings":
@@ -65,6 +68,7 @@ class FlowSurroundings:
             clear,
             fresh,
             _sure(pose, bearings, memory, settings),
+            _unseen(pose, memory, settings),
         )
 
     def toward(self, bearing: float, width: float) -> float:
@@ -91,6 +95,21 @@ class FlowSurroundings:
         now = (self._beside(near, settings))[None, None, :]
         free: np.ndarray = ~(struck & ~now).any(axis=(1, 2))
         return free
+
+    def risks(self, turns: Floats, settings: FlowSettings) -> Floats:
+        """Return for each turn rate, rad/s, how much unseen floor the hull comes near to, 0 to 1, at slow speed."""
+        robot, drive = settings.robot, settings.drive
+        if not len(self.unseen):
+            return np.zeros(len(turns))
+        times = np.arange(_STEP, drive.horizon_s + 1e-9, 3.0 * _STEP)
+        headings = np.outer(turns, times)
+        chord = drive.slow_m_s * times[None, :] * np.sinc(headings / 2.0 / np.pi)
+        x, y = chord * np.cos(headings / 2.0), chord * np.sin(headings / 2.0)
+        ahead, aside = _seen_from(x, y, headings, self.unseen)
+        beyond = np.maximum(np.maximum(ahead - robot.front_m, -robot.rear_m - ahead), 0.0)
+        away = np.hypot(beyond, np.maximum(np.abs(aside) - robot.width_m / 2.0, 0.0))
+        near = np.maximum(1.0 - away.min(axis=1) / drive.side_gap_m, 0.0)
+        return np.asarray(np.minimum(near.sum(axis=1) / _UNSEEN, 1.0))
 
     def can_turn(self, angle: float, settings: FlowSettings) -> bool:
         """Return whether the hull can turn on the spot by an angle, rad, without an obstacle in its way."""
@@ -127,6 +146,16 @@ def _clear(points: Floats, bearings: Floats, radius: float, reach: float) -> Flo
     inside = np.maximum(radius**2 - across**2, 0.0)
     until = np.where((np.abs(across) < radius) & (along > 0.0), along - np.sqrt(inside), reach)
     return np.asarray(np.clip(until.min(axis=1), 0.0, reach))
+
+
+def _unseen(pose: Pose2D, memory: FloorMemory, settings: FlowSettings) -> Floats:
+    """Return places that the hull can come near to on a slow curve and of which nothing is known."""
+    robot, cell = settings.robot, settings.memory.cell_m
+    reach = settings.drive.slow_m_s * settings.drive.horizon_s + robot.front_m
+    x, y = np.meshgrid(np.arange(-robot.rear_m, reach, cell), np.arange(-0.6, 0.61, cell))
+    places = np.stack((x.ravel(), y.ravel()), axis=1)
+    places = places[(places[:, 0] > robot.front_m) | (np.abs(places[:, 1]) > robot.width_m / 2.0)]
+    return np.asarray(places[~memory.are_known(pose, places)])
 
 
 def _sure(pose: Pose2D, bearings: Floats, memory: FloorMemory, settings: FlowSettings) -> Floats:

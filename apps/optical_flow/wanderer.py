@@ -8,7 +8,7 @@ import numpy as np
 
 from apps.optical_flow.columns import Floats
 from apps.optical_flow.memory import FloorMemory
-from apps.optical_flow.movement import REST, direction_ahead, direction_around, steered, turned
+from apps.optical_flow.movement import REST, crept, direction_ahead, direction_around, steered, turned
 from apps.optical_flow.settings import FlowSettings
 from apps.optical_flow.sight import FlowReadings, FlowSight
 from apps.optical_flow.situation import FlowSituation, SituationFilter, SituationJudgement, judge
@@ -19,7 +19,9 @@ _AT_HEADING = 0.08  # rad
 _KEEP = 0.3  # m by which another direction must be better than the one that the robot steers to
 _CHECK_TURN, _CHECK_TIME = 0.3, 0.7  # rad/s and s of the turn that shows whether images are frozen
 _TURNS = (0.4, -0.4, 0.8, -0.8, 1.2, -1.2)  # rad, tried where there is no room for the best turn
-_BACKING = 0.1  # m/s
+_BACKING = 0.1  # m/s, also away from what touches the rear
+_PUSHING = 1.5  # s of contact after which the robot tries the other way
+_STANDING = 2.0  # s without room for any motion, after which the robot doubts what it remembers next to it
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,7 +38,8 @@ class _WanderMode(Enum):
     DRIVE = 0
     TURN = 1
     BACK = 2
-    CHECK = 3
+    LEAVE = 3  # forwards, from what touches the rear or a side
+    CHECK = 4
 
 
 class Wanderer:
@@ -61,12 +64,15 @@ class Wanderer:
         self._is_frozen = False
         self._check_sign = 1.0
         self._unknown_way = 0.0  # m driven where nothing is known
+        self._ordered = REST
+        self._touched_at = -math.inf  # s, when it last began to move away from a contact
+        self._stands_since = math.inf  # s, since when it has had no room
 
     def step(self, readings: FlowReadings) -> WanderOrders:
         """Take readings, and return what to do now."""
         before = self._filter.current
         self._take(readings)
-        twist = self._stop_reason(readings) or self._moved(readings)
+        twist = self._ordered = self._stop_reason(readings) or self._moved(readings)
         now = self._filter.current
         return WanderOrders(twist, now.situation, now.reason, _has_changed(before, now))
 
@@ -85,25 +91,43 @@ class Wanderer:
     def _stop_reason(self, readings: FlowReadings) -> Twist2D | None:
         """Return the orders where the situation is none of the surroundings."""
         safety = self.settings.safety
-        if readings.touches and self._mode is not _WanderMode.BACK:
-            self.contacts += 1
-            self.memory.block(readings.pose, self.settings.robot.front_m + 0.05, self.settings.robot.width_m)
-            self._filter.force(
-                SituationJudgement(
-                    FlowSituation.CONTACT, f"something touches the robot; it backs off {safety.back_m:g} m"
-                )
-            )
-            self._begin(_WanderMode.BACK, readings, readings.time + 2.0 * safety.back_m / _BACKING)
+        if readings.touches and readings.time - self._touched_at > _PUSHING:
+            self._leave(readings)
         silence = readings.time - self._sight.image_at
         if readings.trouble:
             return self._blind(readings.trouble)
         if silence > safety.silent_s:
             return self._blind("no image has come yet" if math.isinf(silence) else "no image comes")
-        if self._mode is _WanderMode.BACK:
+        if self._mode in (_WanderMode.BACK, _WanderMode.LEAVE):
             return self._backed(readings)
         if self._is_frozen or self._sight.unmoved >= safety.unseen_s:
             return self._frozen(readings)
         return None
+
+    def _leave(self, readings: FlowReadings) -> None:
+        """Begin to move away from a contact, and remember where it was."""
+        robot, ordered = self.settings.robot, self._ordered
+        half = robot.width_m / 2.0
+        turns = ordered.angular if abs(ordered.linear) < _BACKING / 2.0 else 0.0
+        is_rear = readings.is_rear
+        if is_rear is None:
+            is_rear = ordered.linear < 0.0 or turns != 0.0
+        if not is_rear:
+            self.memory.block(readings.pose, robot.front_m + 0.05, robot.width_m)
+        elif turns:  # the rear corner that leads has struck
+            corner = Pose2D(0.0, -math.copysign(half, turns))
+            self.memory.block(readings.pose.compose(corner), -robot.rear_m, 0.1)
+        else:
+            self.memory.block(readings.pose, -robot.rear_m - 0.05, robot.width_m)
+        self.contacts += 1
+        self._touched_at = readings.time
+        where, way = ("rear", "drives forward") if is_rear else ("front", "backs off")
+        distance = self.settings.safety.back_m
+        self._filter.force(
+            SituationJudgement(FlowSituation.CONTACT, f"something touches the {where}; the robot {way} {distance:g} m")
+        )
+        mode = _WanderMode.LEAVE if is_rear else _WanderMode.BACK
+        self._begin(mode, readings, readings.time + 2.0 * distance / _BACKING)
 
     def _blind(self, why: str) -> Twist2D:
         self._filter.force(SituationJudgement(FlowSituation.BLIND, f"{why}; the robot stands"))
@@ -129,11 +153,14 @@ class Wanderer:
 
     def _backed(self, readings: FlowReadings) -> Twist2D:
         gone = math.dist((readings.pose.x, readings.pose.y), (self._mode_from.x, self._mode_from.y))
-        if gone < self.settings.safety.back_m and readings.time < self._mode_until:
-            return Twist2D(-_BACKING, 0.0)
         around = FlowSurroundings.around(readings.pose, readings.time, self.memory, self.settings)
-        self._turn_to(direction_around(around, self.settings), readings)
-        return REST
+        if gone < self.settings.safety.back_m and readings.time < self._mode_until:
+            if self._mode is _WanderMode.BACK:
+                return Twist2D(-_BACKING, 0.0)
+            away = crept(around, self.settings)
+            if away is not None:
+                return away
+        return self._turned_away(around, readings)
 
     def _moved(self, readings: FlowReadings) -> Twist2D:
         around = FlowSurroundings.around(readings.pose, readings.time, self.memory, self.settings)
@@ -156,7 +183,9 @@ class Wanderer:
                 FlowSituation.NEAR, f"columns ahead show contact in {contact:.1f} s"
             )
             gap = contact * self.settings.drive.speed_m_s
-            self.memory.block(readings.pose, self.settings.robot.front_m + max(gap, 0.05), self.settings.robot.width_m)
+            self.memory.suspect(
+                readings.pose, self.settings.robot.front_m + max(gap, 0.05), self.settings.robot.width_m
+            )
             self._sight.contact = math.inf
         if current.situation is FlowSituation.UNKNOWN and self._unknown_way > self.settings.safety.unknown_m:
             self._unknown_way = 0.0
@@ -202,9 +231,22 @@ class Wanderer:
             else:
                 free = [each for each in _TURNS if around.can_turn(each, self.settings)]
                 if not free:
-                    return REST  # until what it remembers has faded
+                    return self._squeezed(around, readings)
                 bearing = max(free, key=lambda each: _at(around, around.clear, each))
+        self._stands_since = math.inf
         self._turn_to(bearing, readings)
+        return REST
+
+    def _squeezed(self, around: FlowSurroundings, readings: FlowReadings) -> Twist2D:
+        """Creep along the freest arc ahead; where there is none, stand and doubt more and more what is remembered."""
+        self._mode = _WanderMode.DRIVE
+        away = crept(around, self.settings)
+        if away is not None:
+            self._stands_since = math.inf
+            return away
+        self._stands_since = min(self._stands_since, readings.time)
+        if readings.time - self._stands_since > _STANDING:
+            self.memory.doubt(readings.pose)
         return REST
 
     def _can_back(self, around: FlowSurroundings, pose: Pose2D) -> bool:

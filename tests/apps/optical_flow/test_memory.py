@@ -38,7 +38,7 @@ def test_near_walls_are_near_and_a_corner_has_walls_at_both_sides() -> None:
     sides = np.array([(0.3, y) for y in np.arange(-0.6, 0.61, 0.1)] + [(x, y) for x in (0.0, 0.2) for y in (-0.5, 0.5)])
     points = np.concatenate((around.points, sides))
     clear = np.full(len(around.bearings), 0.3)
-    corner = FlowSurroundings(points, 0.3, 0.3, 0.3, 0.3, around.bearings, clear, clear, clear)
+    corner = FlowSurroundings(points, 0.3, 0.3, 0.3, 0.3, around.bearings, clear, clear, clear, around.unseen)
     assert judge(corner, SETTINGS).situation is FlowSituation.CORNER
 
 
@@ -71,6 +71,24 @@ def test_what_was_seen_is_forgotten_by_time_and_by_turns() -> None:
             memory.pass_time(time, heading)
         memory.pass_time(2.0 * time, headings[-1])
         assert not len(memory.obstacles(HERE))
+
+
+def test_what_is_suspected_is_forgotten_soon_and_what_was_touched_is_not() -> None:
+    memory = FloorMemory(SETTINGS)
+    memory.suspect(HERE, 0.4, 0.4)
+    memory.block(HERE, -0.4, 0.4)
+    assert {bool(x > 0.0) for x, _ in memory.obstacles(HERE)} == {True, False}
+    memory.pass_time(15.0, HERE.heading)
+    found = memory.obstacles(HERE)
+    assert len(found)
+    assert max(x for x, _ in found) < 0.0
+
+
+def test_a_curve_over_floor_that_was_never_seen_is_a_risk() -> None:
+    depths = flat(np.inf)
+    depths[8:] = np.nan  # on the right
+    left, right = remembered(depths).risks(np.array([0.3, -0.3]), SETTINGS)
+    assert left < right
 
 
 def test_a_curve_into_an_obstacle_is_not_free_and_the_other_one_is() -> None:

@@ -76,7 +76,10 @@ def test_the_robot_stops_when_the_application_is_killed(team: RunningTeam, tmp_p
         wait_until_it_stands(team)
 
 
-def test_ctrl_c_stops_the_robot_and_leaves_a_summary_a_picture_and_a_film(team: RunningTeam, tmp_path: Path) -> None:
+def test_ctrl_c_stops_the_robot_and_leaves_a_summary_pictures_and_the_agent_as_it_was(
+    team: RunningTeam, tmp_path: Path
+) -> None:
+    assert team.acromovi("ask", "flow@bart", "configure", "method=sparse", "columns=20").returncode == 0
     with wandering(team, tmp_path) as process:
         time.sleep(2.0)  # of film
         process.send_signal(signal.SIGINT)
@@ -88,6 +91,8 @@ def test_ctrl_c_stops_the_robot_and_leaves_a_summary_a_picture_and_a_film(team: 
     assert re.search(r"  bart: [\d.]+ m, [\d.]+ m\^2 of floor visited, touched nothing\n", told)
     assert (tmp_path / "optical-flow.svg").read_text().startswith("<?xml")
     assert (tmp_path / "optical-flow.gif").read_bytes().startswith(b"GIF")
+    result = json.loads(team.acromovi("ask", "flow@bart", "read").stdout)
+    assert (result["method"], len(result["flow"]), "vectors" in result) == ("sparse", 20, False)
 
 
 def test_as_an_agent_it_answers_requests_and_the_robot_stops_when_it_freezes(team: RunningTeam, tmp_path: Path) -> None:

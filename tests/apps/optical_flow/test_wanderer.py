@@ -103,6 +103,57 @@ def test_after_a_contact_it_backs_off_and_turns_away() -> None:
     assert robot.orders[-1].twist.linear > 0.0
 
 
+@pytest.mark.parametrize("is_rear", [True, None])
+def test_after_a_contact_while_it_turns_it_drives_forward_and_remembers_the_place(is_rear: bool | None) -> None:
+    robot = ToyRobot(pose=Pose2D(4.4, 3.6, pi / 4))
+    while not robot.step().twist.angular or robot.orders[-1].twist.linear:
+        pass
+    robot.run(0.5)
+    robot.wanderer.memory.drive_over(robot.pose, robot.time)
+    before = robot.pose
+    robot.touches, robot.is_rear = True, is_rear
+    orders = robot.step()
+    assert "touches the rear" in orders.reason
+    assert orders.twist.linear >= 0.0
+    robot.touches = False
+    robot.run(1.0)
+    ways = [before.locate(robot.pose.x, robot.pose.y)[0]] + [each.twist.linear for each in robot.orders[-10:]]
+    assert min(ways) >= 0.0
+    assert robot.wanderer.contacts == 1
+    near = robot.wanderer.memory.obstacles(before)
+    assert any(x < 0.0 and abs(x) < 0.5 and abs(y) < 0.5 for x, y in near)
+
+
+def test_bumpers_in_front_count_more_than_the_motion() -> None:
+    robot = ToyRobot(pose=Pose2D(4.4, 3.6, pi / 4))
+    while not robot.step().twist.angular or robot.orders[-1].twist.linear:
+        pass
+    robot.touches, robot.is_rear = True, False
+    assert "touches the front" in robot.step().reason
+    assert robot.orders[-1].twist.linear < 0.0
+
+
+def test_it_does_not_go_on_backing_against_a_contact_that_does_not_end() -> None:
+    robot = ToyRobot()
+    robot.run(3.0)
+    robot.touches = True
+    robot.run(1.0)
+    assert robot.orders[-1].twist.linear < 0.0
+    robot.run(1.0)
+    assert robot.orders[-1].twist.linear >= 0.0
+
+
+def test_shut_in_by_what_it_remembers_it_does_not_stand_for_ever() -> None:
+    robot = ToyRobot()
+    robot.run(3.0)
+    hull = SETTINGS.robot
+    for quarter in range(4):
+        here = robot.pose.compose(Pose2D(heading=quarter * pi / 2))
+        robot.wanderer.memory.block(here, hull.front_m + 0.15, 0.9)
+    robot.run(15.0)
+    assert any(each.twist.linear or each.twist.angular for each in robot.orders[-50:])
+
+
 def test_in_a_corner_it_turns_round_on_the_spot() -> None:
     robot = ToyRobot(pose=Pose2D(4.4, 3.6, pi / 4))
     robot.run(12.0)

@@ -37,6 +37,7 @@ class ToyRobot:
         self.time = 0.0
         self.has_images, self.is_frozen, self.is_blank = True, False, False
         self.trouble, self.touches = "", False
+        self.is_rear: bool | None = None
         self.twist = Twist2D()
         self.orders: list[WanderOrders] = []
 
@@ -62,7 +63,9 @@ class ToyRobot:
         seen = self._seen() if self.has_images and not self.trouble else None
         self.orders.append(
             self.wanderer.step(
-                FlowReadings(self.time, self.time, self.pose, self.twist, seen, self.trouble, self.touches)
+                FlowReadings(
+                    self.time, self.time, self.pose, self.twist, seen, self.trouble, self.touches, self.is_rear
+                )
             )
         )
         self.twist = replace(self.orders[-1].twist)
