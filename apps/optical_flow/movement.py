@@ -61,11 +61,13 @@ def steered(
 
 
 def crept(around: FlowSurroundings, settings: FlowSettings) -> Twist2D | None:
-    """Return a slow twist ahead on the straightest curve that is free; None where there is none."""
+    """Return a slow twist ahead on the straightest free curve over floor that was seen; None where there is none."""
     speed = settings.drive.slow_m_s / 2.0
     turns = np.linspace(-settings.drive.turn_rad_s, settings.drive.turn_rad_s, _CURVES)
-    free = turns[around.free_curves(speed, turns, settings)]
-    return Twist2D(speed, float(free[np.argmin(np.abs(free))])) if len(free) else None
+    costs = np.abs(turns) + around.risks(turns, settings)
+    costs[~around.free_curves(speed, turns, settings)] = np.inf
+    best = int(np.argmin(costs))
+    return Twist2D(speed, float(turns[best])) if np.isfinite(costs[best]) else None
 
 
 def turned(bearing: float, settings: FlowSettings) -> Twist2D:

@@ -87,7 +87,7 @@ def test_ctrl_c_stops_the_robot_and_leaves_a_summary_pictures_and_the_agent_as_i
     wait_until_it_stands(team)
     assert process.returncode == 130
     assert "bart wanders by optical flow at 0.2 m/s" in told
-    assert re.search(r"s: (unknown|free|obstacle \w+|obstacle in front): .+\n", told)
+    assert re.search(r"s: (unknown|free|near|corner|obstacle \w+|obstacle in front): .+\n", told)
     assert re.search(r"  bart: [\d.]+ m, [\d.]+ m\^2 of floor visited, touched nothing\n", told)
     assert (tmp_path / "optical-flow.svg").read_text().startswith("<?xml")
     assert (tmp_path / "optical-flow.gif").read_bytes().startswith(b"GIF")
