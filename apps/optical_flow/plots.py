@@ -5,10 +5,11 @@ from pathlib import Path
 
 from apps.optical_flow.record import FlowRecord
 from apps.optical_flow.situation import FlowSituation
+from apps.pictures import save_picture
 from configs.extras import require
 from geometry import Polygon
 
-MOST = 700  # points of a curve
+MOST = 400  # points of a curve
 LONGEST = 12.0  # s of time to contact that are shown
 COLOURS = {
     FlowSituation.FREE: "#2a9d4a",
@@ -36,7 +37,6 @@ def draw_wandering(file: Path, record: FlowRecord, title: str, walls: Sequence[P
         OSError: The file cannot be written.
     """
     require("the picture of a drive", "plots")
-    import matplotlib
     from matplotlib.figure import Figure  # slow to import, and only needed here
 
     page = Figure(figsize=(8, 8), layout="constrained")
@@ -64,5 +64,4 @@ def draw_wandering(file: Path, record: FlowRecord, title: str, walls: Sequence[P
     graph.set_ylabel("least time to contact, s")
     graph.set_ylim(0.0, LONGEST)
     graph.grid(visible=True, linewidth=0.3)
-    with matplotlib.rc_context({"svg.hashsalt": "optical flow", "svg.fonttype": "none", "path.simplify": True}):
-        page.savefig(file, metadata={"Date": None} if file.suffix == ".svg" else None)
+    save_picture(page, file)
