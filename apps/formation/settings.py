@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import configs
-from configs.checks import check_numbers
+from configs.settings import load_with_changes
 
 SETTINGS = Path(__file__).with_name("settings.toml")
 
@@ -111,11 +111,7 @@ class FormationSettings:
         Raises:
             ConfigError: The file cannot be read, or a setting is unknown or not valid.
         """
-        table = configs.read(SETTINGS)
-        source = str(file or SETTINGS)
-        if file:
-            table = configs.laid_over(table, configs.read(file))
-        settings = configs.build(cls, table, source)
+        settings, source = load_with_changes(cls, SETTINGS, file)
         settings._check(source)
         return settings
 
@@ -124,7 +120,6 @@ class FormationSettings:
         return self.safety.radii_m.get(robot, self.safety.radius_m)
 
     def _check(self, source: str) -> None:
-        check_numbers(self, source)
         for name, word, allowed in (
             ("points.follow", self.points.follow, ("path", "frame")),
             ("members.when_stopped", self.members.when_stopped, ("leave", "wait")),

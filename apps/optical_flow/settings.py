@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import configs
-from configs.checks import check_numbers
+from configs.settings import load_with_changes
 
 SETTINGS = Path(__file__).with_name("settings.toml")
 
@@ -126,12 +126,7 @@ class FlowSettings:
         Raises:
             ConfigError: The file cannot be read, or a setting is unknown or not valid.
         """
-        table = configs.read(SETTINGS)
-        source = str(file or SETTINGS)
-        if file:
-            table = configs.laid_over(table, configs.read(file))
-        settings = configs.build(cls, table, source)
-        check_numbers(settings, source)
+        settings, source = load_with_changes(cls, SETTINGS, file)
         settings._check(source)
         return settings
 

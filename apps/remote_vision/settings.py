@@ -1,10 +1,10 @@
 """Settings of the application, from one file; `settings.toml` beside this module has all of them with their meaning."""
 
-import math
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from pathlib import Path
 
 import configs
+from configs.settings import load_with_changes
 
 SETTINGS = Path(__file__).with_name("settings.toml")
 
@@ -45,20 +45,11 @@ class RemoteVisionSettings:
         Raises:
             ConfigError: The file cannot be read, or a setting is unknown or not valid.
         """
-        table = configs.read(SETTINGS)
-        source = str(file or SETTINGS)
-        if file:
-            table = configs.laid_over(table, configs.read(file))
-        settings = configs.build(cls, table, source)
+        settings, source = load_with_changes(cls, SETTINGS, file)
         settings._check(source)
         return settings
 
     def _check(self, source: str) -> None:
-        for name, part in (("images", self.images), ("control", self.control)):
-            for each in fields(part):
-                value = getattr(part, each.name)
-                if not (math.isfinite(value) and value > 0.0):
-                    raise configs.ConfigError(f"{source}: {name}.{each.name} must be more than 0, not {value:g}")
         if self.control.zoom_step <= 1.0:
             raise configs.ConfigError(f"{source}: control.zoom_step must be more than 1")
         if self.control.release_s < self.control.silent_s or self.control.silent_s <= self.images.wait_s:

@@ -6,8 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import configs
-from configs import laid_over
-from configs.checks import check_numbers
+from configs.settings import load_with_changes
 
 SETTINGS = Path(__file__).with_name("settings.toml")
 
@@ -112,12 +111,7 @@ def load_settings(path: str | Path | None = None, changes: Mapping[str, Any] | N
     Raises:
         ConfigError: The file cannot be read, or a key or value is not valid.
     """
-    table = configs.read(SETTINGS)
-    if path is not None:
-        table = laid_over(table, configs.read(path))
-    source = str(path or SETTINGS)
-    settings = configs.build(FollowingSettings, laid_over(table, changes or {}), source)
-    check_numbers(settings, source, zero=True)
+    settings, source = load_with_changes(FollowingSettings, SETTINGS, path, changes, zero=True)
     if settings.period == 0.0:
         raise configs.ConfigError(f"{source}: period must be more than 0 s")
     if settings.drive.gap <= settings.drive.nearest:

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from agents.components.component import known
-from agents.components.vision.image_tools import ImageTools
+from agents.components.vision.image_tools import ImageTools, described
 from vision.blobs import Blob
 from vision.camera_model import PinholeModel
 from vision.colours import ColourTable
@@ -69,14 +69,4 @@ def _described(blob: Blob, camera: PinholeModel | None) -> dict[str, Any]:
     if camera is not None:
         x, y, z = camera.rays_of(np.array([[blob.x, blob.y]]))[0].tolist()
         bearing, elevation = known(atan2(y, x)), known(atan2(z, hypot(x, y)))
-    return {
-        "area": blob.area,
-        "x": known(blob.x, 2),
-        "y": known(blob.y, 2),
-        "left": blob.left,
-        "right": blob.right,
-        "top": blob.top,
-        "bottom": blob.bottom,
-        "bearing": bearing,
-        "elevation": elevation,
-    }
+    return {**described(blob), "bearing": bearing, "elevation": elevation}

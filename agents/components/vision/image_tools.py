@@ -2,10 +2,13 @@
 
 import base64
 import binascii
+from typing import Any
 
 import numpy as np
 
+from agents.components.component import known
 from bus.messages import CompressedImage, stamp_ns
+from vision.blobs import Blob
 from vision.image import Image, VisionError
 
 _DARKEST = 16
@@ -64,3 +67,16 @@ class ImageTools:
         if float(np.percentile(image.pixels[::2, ::2], 99.9)) < _DARKEST:
             self.trouble = "the image is black; is the lens covered, or the light off?"
         return image
+
+
+def described(blob: Blob) -> dict[str, Any]:
+    """Return area, centroid and bounding box of a blob, px, as agents publish them."""
+    return {
+        "area": blob.area,
+        "x": known(blob.x, 2),
+        "y": known(blob.y, 2),
+        "left": blob.left,
+        "right": blob.right,
+        "top": blob.top,
+        "bottom": blob.bottom,
+    }

@@ -2,8 +2,7 @@
 
 from typing import Any
 
-from agents.components.component import known
-from agents.components.vision.image_tools import ImageTools
+from agents.components.vision.image_tools import ImageTools, described
 from vision.image import Image
 from vision.motion import MotionDetector
 
@@ -41,16 +40,5 @@ class MotionTools(ImageTools):
             "width": image.width,
             "height": image.height,
             "settled": found is not None and found.settled,
-            "blobs": [
-                {
-                    "area": blob.area,
-                    "x": known(blob.x, 2),
-                    "y": known(blob.y, 2),
-                    "left": blob.left,
-                    "right": blob.right,
-                    "top": blob.top,
-                    "bottom": blob.bottom,
-                }
-                for blob in (found.blobs if found is not None else ())
-            ],
+            "blobs": [described(blob) for blob in (found.blobs if found is not None else ())],
         }

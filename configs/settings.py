@@ -1,11 +1,42 @@
-"""Checks of settings that a dataclass alone does not make."""
+"""Settings of an application: a shipped file that has all of them, and a file of the user with changes."""
 
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import fields
-from typing import Any
+from pathlib import Path
+from typing import Any, TypeVar
 
-from configs.loader import ConfigError
+from configs.loader import ConfigError, build, laid_over, read
+
+T = TypeVar("T")
+
+
+def load_with_changes(
+    kind: type[T],
+    shipped: Path,
+    file: str | Path | None,
+    changes: Mapping[str, Any] | None = None,
+    *,
+    zero: bool = False,
+) -> tuple[T, str]:
+    """Return the shipped settings with changes laid over them, and the file to name in further complaints.
+
+    Args:
+        kind: The dataclass; its numbers must be more than 0.
+        shipped: The file with all settings.
+        file: One that has some; none if empty.
+        changes: Tables that are laid over both.
+        zero: Numbers may be 0 as well.
+    Raises:
+        ConfigError: A file cannot be read, or a setting is unknown or not valid.
+    """
+    table = read(shipped)
+    if file:
+        table = laid_over(table, read(file))
+    source = str(file or shipped)
+    settings = build(kind, laid_over(table, changes or {}), source)
+    check_numbers(settings, source, zero=zero)
+    return settings, source
 
 
 def check_numbers(settings: Any, source: str, *, zero: bool = False) -> None:
