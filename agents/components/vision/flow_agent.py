@@ -1,7 +1,6 @@
 """The agent of optical flow: by columns of the image, with and without the robot's rotation, and time to contact."""
 
 import asyncio
-from collections import deque
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import asdict
@@ -12,7 +11,7 @@ from agents.components.component import failure
 from agents.components.vision.flow_inputs import GAP, CameraMotion, FlowOptions, HeadingHistory
 from agents.components.vision.image_agent import ImageAgent
 from agents.platform import AgentName, request
-from bus import MessageError, Refused, Sample, Subscription, keys
+from bus import MessageError, Refused, Sample, keys
 from bus.messages import NS_PER_S, CompressedImage, decode, heading, stamp_ns
 
 if TYPE_CHECKING:  # these load OpenCV
@@ -20,8 +19,6 @@ if TYPE_CHECKING:  # these load OpenCV
 
 METHODS = ("dense", "sparse")
 MOST_COLUMNS = 80
-MOST_MESSAGES = 64
-"""Of odometry and of the head that carries the camera, that come between two images."""
 
 
 class FlowAgent(ImageAgent["FlowTools"]):
@@ -32,6 +29,7 @@ class FlowAgent(ImageAgent["FlowTools"]):
     """
 
     services = ("images", "optical-flow")
+    moved_by = (keys.ODOM, keys.PTZ)
     results: ClassVar[Mapping[str, str]] = {
         "age": "s since the exposure of the image",
         "trouble": "why there is no result, or not all of it; null if nothing is wrong",
@@ -51,8 +49,6 @@ class FlowAgent(ImageAgent["FlowTools"]):
     def __init__(self, name: AgentName | str, properties: Mapping[str, Any] | None = None) -> None:
         super().__init__(name, properties)
         self._options = FlowOptions()
-        self._moved: deque[Sample] = deque(maxlen=MOST_MESSAGES)  # not decoded yet; the bus's thread appends
-        self._listening: list[Subscription] = []  # to what moves the camera, while the images are subscribed to
         self._compared: tuple[Mapping[str, Any], float] | None = None  # the latest result, and the loop's time of it
         self._has_compared = asyncio.Event()
         self._exposure: float | None = None  # of the latest image, s; None before the first one of a subscription
@@ -148,16 +144,6 @@ class FlowAgent(ImageAgent["FlowTools"]):
             result = {**result, "trouble": apart}
         super()._show(result)
 
-    def _hear_images(self) -> None:
-        super()._hear_images()
-        if not self._listening:
-            self._listening = [
-                self.bus.subscribe(topic.key(self.robot), self._moved.append, urgent=True)
-                for topic in (keys.ODOM, keys.PTZ)
-            ]
-
     def _give_up_images(self) -> None:
         super()._give_up_images()
         self._exposure = None
-        while self._listening:
-            self._listening.pop().close()

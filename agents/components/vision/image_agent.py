@@ -5,6 +5,7 @@ images that come meanwhile are skipped except the latest. Subclasses load what i
 """
 
 import asyncio
+from collections import deque
 from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any, ClassVar, Generic, TypeVar
@@ -14,6 +15,7 @@ from agents.components.component import ElementAgent, failure
 from agents.platform import AgentName, request
 from bus import MessageError, Refused, Sample, Subscription, keys
 from bus.aio import hand_over
+from bus.keys import Topic
 from bus.messages import NS_PER_S, CompressedImage, decode, stamp_ns
 from configs.extras import require
 
@@ -22,6 +24,8 @@ _ATTENTION = 0.5
 MOST_JOBS = 8
 """Pieces of work that wait for the thread of an agent; further requests are refused."""
 
+_MOST_MESSAGES = 64
+"""Of each agent, of what moves its camera, between two images."""
 Tools = TypeVar("Tools")
 """What does the work of an agent; only the agent's thread uses it."""
 T = TypeVar("T")
@@ -33,6 +37,7 @@ class ImageAgent(ElementAgent, Generic[Tools]):
     source = keys.CAMERA
     first_within = 8.0  # a camera is opened only on request
     services: ClassVar[tuple[str, ...]] = ("images",)
+    moved_by: ClassVar[tuple[Topic, ...]] = ()  # what moves the camera, heard while the images are
 
     def __init__(self, name: AgentName | str, properties: Mapping[str, Any] | None = None) -> None:
         super().__init__(name, properties)
@@ -40,6 +45,9 @@ class ImageAgent(ElementAgent, Generic[Tools]):
         self._tools: Tools | None = None
         self._jobs = 0
         self._hearing: Subscription | None = None
+        # Of `moved_by`, not decoded yet; the bus's thread appends.
+        self._moved: deque[Sample] = deque(maxlen=_MOST_MESSAGES)
+        self._listening: list[Subscription] = []  # to `moved_by`
         self._heard_from = 0.0  # s of the loop's time, when the subscription began
         self._wanted_until = 0.0  # likewise, after a request
         self._newest: tuple[Sample, float] | None = None  # and when it came
@@ -203,6 +211,9 @@ class ImageAgent(ElementAgent, Generic[Tools]):
             self._has_heard.clear()
             self._heard_from = asyncio.get_running_loop().time()
             self._hearing = self.bus.subscribe(keys.CAMERA.key(self.robot), self._take_sample, urgent=True)
+            self._listening = [
+                self.bus.subscribe(topic.key(self.robot), self._moved.append, urgent=True) for topic in self.moved_by
+            ]
 
     def _give_up_images(self) -> None:
         """End the subscription to the images."""
@@ -210,6 +221,8 @@ class ImageAgent(ElementAgent, Generic[Tools]):
             self._hearing.close()
             self._hearing, self._newest, self._trouble = None, None, None
             self._is_silent = False
+        while self._listening:
+            self._listening.pop().close()
 
     # On the bus's thread.
 

@@ -1,20 +1,17 @@
 """The agent of motion tracking: what moves in front of a standing camera."""
 
-from collections import deque
 from collections.abc import Mapping
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from agents.components.vision.image_agent import ImageAgent
 from agents.platform import AgentName
-from bus import MessageError, Sample, Subscription, keys
+from bus import MessageError, keys
 from bus.messages import NS_PER_S, CompressedImage, decode, stamp_ns
 
 if TYPE_CHECKING:  # these load OpenCV
     from agents.components.vision.motion_tools import MotionTools
 
-_MOST_MESSAGES = 64
-"""Of odometry and of the head that carries the camera, that come between two images."""
 _STILL = 0.005
 """m/s and rad/s, below which the robot stands."""
 
@@ -23,6 +20,7 @@ class MotionAgent(ImageAgent["MotionTools"]):
     """`motion@happy`: blobs of what moves. While the robot or the head moves, everything does, and there are none."""
 
     services = ("images", "motion")
+    moved_by = (keys.ODOM, keys.PTZ)
     results: ClassVar[Mapping[str, str]] = {
         "age": "s since the exposure of the image",
         "trouble": "why there are no blobs, null if nothing is wrong",
@@ -33,8 +31,6 @@ class MotionAgent(ImageAgent["MotionTools"]):
 
     def __init__(self, name: AgentName | str, properties: Mapping[str, Any] | None = None) -> None:
         super().__init__(name, properties)
-        self._moved: deque[Sample] = deque(maxlen=_MOST_MESSAGES)  # not decoded yet; the bus's thread appends
-        self._listening: list[Subscription] = []  # to what moves the camera, while the images are subscribed to
         self._is_moving = {keys.ODOM.type_name: False, keys.PTZ.type_name: False}  # the agent's thread only
 
     def load_tools(self) -> "MotionTools":
@@ -64,16 +60,3 @@ class MotionAgent(ImageAgent["MotionTools"]):
                 self._is_moving[sample.type_name] = is_moving
                 has_moved = has_moved or is_moving
         return has_moved
-
-    def _hear_images(self) -> None:
-        super()._hear_images()
-        if not self._listening:
-            self._listening = [
-                self.bus.subscribe(topic.key(self.robot), self._moved.append, urgent=True)
-                for topic in (keys.ODOM, keys.PTZ)
-            ]
-
-    def _give_up_images(self) -> None:
-        super()._give_up_images()
-        while self._listening:
-            self._listening.pop().close()
