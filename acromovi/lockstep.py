@@ -63,6 +63,7 @@ class Lockstep(Closeable):
         robots: Mapping[str, str],
         *,
         fits: Mapping[str, str] | None = None,
+        poses: Mapping[str, Pose2D] | None = None,
         seed: int = 0,
         perfect: bool = False,
         settings: Settings = SETTINGS,
@@ -73,13 +74,14 @@ class Lockstep(Closeable):
             world: From `load_world`.
             robots: Name to model, as `{"happy": "p3dx-sh"}`.
             fits: Name to accessories, as `{"happy": "gyro,laser"}`.
+            poses: Name to where the robot begins; the world chooses for the others.
             seed: Of every imperfection and every chance.
             perfect: No imperfections of body and sensors.
             settings: Of every robot's driver. A camera that is on no head has its own field of view unless one is set.
         Raises:
             ConfigError: There is no such model.
             FitError: There is no such accessory, or it does not go onto this robot.
-            WorldError: There is no room for a robot.
+            WorldError: There is no room for a robot, or something stands where it is to begin.
         """
         self._network = MemoryNetwork()
         self.world = World(world, seed=seed, perfect=perfect)
@@ -92,7 +94,7 @@ class Lockstep(Closeable):
             parts = (fits or {}).get(name, "")
             model, fit = read_fit(filter(None, parts.split(",")), configs.load(RobotModel, "robots", model_name))
             link, cables = MemoryLink(), {part: MemoryLink() for part in fit.cables}
-            self._emulator.add(name, model, link, fit=fit, cables=cables)
+            self._emulator.add(name, model, link, pose=(poses or {}).get(name), fit=fit, cables=cables)
             camera, own = None, settings
             if fit.has(CAMERA):
                 camera = _Camera(self._cameras, name, lambda: self.time)

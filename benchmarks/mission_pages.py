@@ -8,14 +8,14 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
+from acromovi.missions.jobs import Case, Condition, Job
 from acromovi.missions.matrix import Result
 from acromovi.missions.picture import BAD, GOOD, OBSTACLE, PERSON, THING, WALL, draw_world
-from acromovi.missions.tasks import Case, Condition
 
 BAR = 2.0  # m, of the scale below panels without axes
 
 
-def draw_sheet(path: Path, results: Sequence[Result], world: str) -> None:
+def draw_sheet(path: Path, results: Sequence[Result[Job]], world: str) -> None:
     """Draw all missions in one world, a panel for each case and condition."""
     page = Figure(figsize=(22, 12), layout="constrained")
     panels = page.subplots(len(Case), len(Condition), squeeze=False)
@@ -32,7 +32,7 @@ def draw_sheet(path: Path, results: Sequence[Result], world: str) -> None:
     page.savefig(path, dpi=70)
 
 
-def draw_grid(path: Path, results: Sequence[Result]) -> None:
+def draw_grid(path: Path, results: Sequence[Result[Job]]) -> None:
     """Draw missions one beside the other, each in its own world."""
     columns = 6
     rows = max(1, -(-len(results) // columns))
@@ -69,7 +69,7 @@ def _draw_bar(axes: Axes) -> None:
     axes.plot([left, left + BAR], [bottom, bottom], color="black", linewidth=1.5, solid_capstyle="butt")
 
 
-def _draw_path(axes: Axes, result: Result, *, is_first: bool = True) -> None:
+def _draw_path(axes: Axes, result: Result[Job], *, is_first: bool = True) -> None:
     """A path with its start and its goal, over its world."""
     if (task := result.task) is None:
         return

@@ -6,10 +6,10 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from acromovi.missions.command import play_many
+from acromovi.missions.jobs import Job
 from acromovi.missions.matrix import Result
 from acromovi.missions.page import Results, page
 from acromovi.missions.picture import draw_mission
-from acromovi.missions.tasks import Job
 from benchmarks.figures import Figure
 from benchmarks.free_space_block import BlockGoto
 
@@ -60,7 +60,7 @@ def _figure(name: str, value: float, reach: float, unit: str, samples: int) -> F
     return Figure("missions", name, value, reach, unit, samples)
 
 
-def _draw(results: Sequence[Result], out: Path) -> list[str]:
+def _draw(results: Sequence[Result[Job]], out: Path) -> list[str]:
     """The pictures, by their names."""
     from benchmarks.mission_pages import draw_grid, draw_sheet  # only this benchmark needs matplotlib to be loaded
 

@@ -1,16 +1,20 @@
 """`acromovi missions`: run navigation missions faster than real time, and judge them by the true state."""
 
 import argparse
+import json
 import sys
 import time
 from collections.abc import Sequence
 from pathlib import Path
 
+from acromovi.missions.jobs import ROBOTS, SEEDS, Case, Condition, Job
 from acromovi.missions.matrix import Instead, Result, play, play_all
+from acromovi.missions.mission_file import FileMission, read_missions
 from acromovi.missions.page import page
 from acromovi.missions.picture import draw_mission
-from acromovi.missions.tasks import ROBOTS, SEEDS, Case, Condition, Job
+from acromovi.missions.report import as_json, in_words, summary, summary_in_words
 from acromovi.subcommand import Subcommand
+from configs import ConfigError
 from configs.extras import require
 
 EPILOG = """\
@@ -18,6 +22,10 @@ examples:
   acromovi missions --case rooms --condition people --seed 7 --picture /tmp/mission.png
   acromovi missions --smoke                 a few missions of all kinds
   acromovi missions --all --out bench       all three hundred, with a table
+  acromovi missions --file my-floor.jsonl --pictures seen     missions on a floor of your own
+
+A line of such a file is one mission, in m and rad:
+  {"world": "floor.toml", "robot": "powerbot", "fit": ["laser"], "start": [0, 0, 1.57], "goal": [6.5, 3], "seed": 1}
 
 Exit codes: 0 all reached and nothing touched, 1 not, 2 wrong usage.
 """
@@ -46,6 +54,15 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--world", default="", help="set the world [by the seed, the house or a generated plan]")
     parser.add_argument("--picture", type=Path, metavar="FILE", help="draw the mission, as PNG or SVG by the ending")
+    parser.add_argument(
+        "--file", type=Path, metavar="MISSIONS.jsonl", help="play the missions of a file, one JSON object a line"
+    )
+    parser.add_argument("--line", type=int, help="with --file: play the mission of this line only")
+    parser.add_argument("--pictures", type=Path, metavar="DIR", help="with --file: draw each mission into this folder")
+    parser.add_argument("--workers", type=int, help="set how many missions are played at once [one for each core]")
+    how = parser.add_mutually_exclusive_group()
+    how.add_argument("--json", action="store_true", help="with --file: print a line of JSON for each, and a summary")
+    how.add_argument("--quiet", action="store_true", help="with --file: print the summary only")
     parser.add_argument("--smoke", action="store_true", help="run a few missions of all kinds")
     parser.add_argument("--all", action="store_true", help="run the whole matrix")
     parser.add_argument("--seeds", type=int, default=SEEDS, help=f"with --all: set the number of seeds [{SEEDS}]")
@@ -56,14 +73,19 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def _run(options: argparse.Namespace) -> int:
     """Run the requested missions."""
+    if options.workers is not None and options.workers < 1:
+        return _refuse("--workers must be 1 or more")
+    if options.file is not None:
+        return _run_file(options)
+    if options.line is not None or options.pictures is not None or options.json or options.quiet:
+        return _refuse("--line, --pictures, --json and --quiet are for missions of a --file")
     if options.robot and options.robot not in ROBOTS:
-        print(f"acromovi missions: --robot must be one of {', '.join(ROBOTS)}", file=sys.stderr)
-        return 2
+        return _refuse(f"--robot must be one of {', '.join(ROBOTS)}")
     if options.picture or options.all:
         require("a picture of missions", "plots")
     if options.smoke or options.all:
         jobs = Job.matrix(range(options.seeds)) if options.all else [Job.of(*row) for row in SMOKE]
-        results = play_many(jobs)
+        results = play_many(jobs, processes=options.workers)
         if options.all:
             options.out.mkdir(parents=True, exist_ok=True)
             (options.out / "missions.md").write_text(page(results), encoding="utf-8")
@@ -77,22 +99,64 @@ def _run(options: argparse.Namespace) -> int:
     return 0 if result.is_good else 1
 
 
-def play_many(jobs: Sequence[Job], instead: Instead | None = None) -> list[Result]:
+def _run_file(options: argparse.Namespace) -> int:
+    """Play the missions of a file, and report them in its order as soon as they have ended."""
+    try:
+        missions = read_missions(options.file)
+    except ConfigError as err:
+        return _refuse(str(err))
+    if options.line is not None:
+        missions = [mission for mission in missions if mission.line == options.line]
+        if not missions:
+            return _refuse(f"{options.file} has no mission in line {options.line}")
+    if options.pictures is not None:
+        require("a picture of missions", "plots")
+        options.pictures.mkdir(parents=True, exist_ok=True)
+    ended: dict[int, Result[FileMission]] = {}
+    waiting = [mission.line for mission in missions]
+
+    def told(result: Result[FileMission]) -> None:
+        ended[result.job.line] = result
+        while waiting and waiting[0] in ended:
+            _report(ended[waiting.pop(0)], options)
+        if sys.stderr.isatty() and waiting:
+            print(f"{len(ended)} of {len(missions)} played", end="\r", file=sys.stderr, flush=True)
+
+    results = play_all(missions, told, processes=options.workers)
+    print(json.dumps({"summary": summary(results)}) if options.json else summary_in_words(results))
+    return 0 if all(result.is_good for result in results) else 1
+
+
+def _report(result: Result[FileMission], options: argparse.Namespace) -> None:
+    if options.json:
+        print(json.dumps(as_json(result)), flush=True)
+    elif not options.quiet:
+        print(in_words(result), flush=True)
+    if options.pictures is not None:
+        draw_mission(options.pictures / f"{options.file.stem}-{result.job.line:03}.png", result)
+    if "Traceback" in result.error:
+        print(result.error, file=sys.stderr)
+
+
+def _refuse(why: str) -> int:
+    print(f"acromovi missions: {why}", file=sys.stderr)
+    return 2
+
+
+def play_many(jobs: Sequence[Job], instead: Instead | None = None, processes: int | None = None) -> list[Result[Job]]:
     """Run missions on all cores, and print the progress."""
     began, good = time.monotonic(), []
 
-    def told(result: Result) -> None:
+    def told(result: Result[Job]) -> None:
         good.append(result.is_good)
-        job = result.job
         mark = "ok  " if result.is_good else "FAIL"
-        name = f"{job.case} {job.condition} {job.seed} {job.robot} {job.world}"
         so_far = f"{len(good)}/{len(jobs)} {time.monotonic() - began:.0f} s, {good.count(False)} failed"
-        print(f"{mark} {name:<48} {so_far}", flush=True)
+        print(f"{mark} {result.job.name:<48} {so_far}", flush=True)
 
-    return play_all(jobs, told, instead=instead)
+    return play_all(jobs, told, processes, instead)
 
 
-def _tell(result: Result) -> None:
+def _tell(result: Result[Job]) -> None:
     verdict = result.verdict
     print(f"{result.job.robot} in {result.job.world}")
     for line in (*result.told, *result.reports):

@@ -104,6 +104,7 @@ class Course(Closeable):
         model: str,
         *,
         fit: str = "laser",
+        start: Pose2D | None = None,
         seed: int = 0,
         perfect: bool = False,
         instead: Mapping[str, type[Component]] | None = None,
@@ -111,9 +112,10 @@ class Course(Closeable):
         """Put the robot on its place, connect it, and start all components.
 
         Args:
-            world: Where; the robot begins at its first free start.
+            world: Where.
             model: Of the robot.
             fit: Its accessories.
+            start: Where the robot begins; by default at the first start of the world where it can turn.
             seed: Of every chance.
             perfect: No error of odometry, no noise of sensors.
             instead: Classes that take the place of components, by their names.
@@ -126,7 +128,13 @@ class Course(Closeable):
         self.told: list[LogMessage] = []
         settings = replace(SETTINGS, limits=BRISK)
         self.lockstep = Lockstep(
-            world, {ROBOT: model}, fits={ROBOT: fit}, seed=seed, perfect=perfect, settings=settings
+            world,
+            {ROBOT: model},
+            fits={ROBOT: fit},
+            poses={ROBOT: start} if start is not None else None,
+            seed=seed,
+            perfect=perfect,
+            settings=settings,
         )
         self.loop = VirtualTimeLoop()
         self.start = self.lockstep.truth(ROBOT)

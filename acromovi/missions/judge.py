@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from acromovi.missions.course import Played
-from acromovi.missions.tasks import Task
+from acromovi.missions.task import Task
 from geometry import Point, Pose2D
 from p2os_emu.world.free_space import FreeSpace
 
@@ -22,9 +22,10 @@ class MissionVerdict:
 
     reached: it says that it is there, and truly is. why_not: in words. touched: what it bumped into.
     off: from the goal at the end; odometry_off: of what its odometry had it, m. seconds: until it said so.
-    length: of the path, m; over_shortest: beside the shortest there was. over_time: time beside that of the driven path
-    at cruising speed; over_best_time: beside that of the shortest path. turned: rad for each metre; turns: how often it
-    turned the other way, for each metre. jerk: m/s3, root of the mean square; angular_jerk: rad/s3.
+    length: of the path, m; over_shortest: beside the shortest there was; nan where there was none, as
+    over_best_time. over_time: time beside that of the driven path at cruising speed; over_best_time: beside that of the
+    shortest path. turned: rad for each metre; turns: how often it turned the other way, for each metre.
+    jerk: m/s3, root of the mean square; angular_jerk: rad/s3.
     """
 
     reached: bool
@@ -49,7 +50,7 @@ def judge(task: Task, played: Played) -> MissionVerdict:
     off = _apart(track.true[-1], task.goal)
     odometry_off = _apart(track.true[-1], (track.believed[-1].x, track.believed[-1].y))
     driven = max(track.length, 1e-3)
-    shortest = task.way.length
+    shortest = task.way.length if task.way is not None else math.nan
     why_not = _why_not(task, played, off, odometry_off)
     return MissionVerdict(
         not why_not,
@@ -72,7 +73,7 @@ def _why_not(task: Task, played: Played, off: float, odometry_off: float) -> str
     """Why it is not reached; empty when it is."""
     if played.state != "done":
         return f"it ended as {played.state}" + (f": {played.told[-1]}" if played.told else "")
-    if task.job.condition.is_perfect:
+    if task.is_perfect:
         return "" if off <= NEAR else f"it says that it is there, and is {off:.2f} m away"
     if off > NEAR_BELIEVED + odometry_off:
         return f"it is {off:.2f} m away, and its odometry is off by {odometry_off:.2f} m"

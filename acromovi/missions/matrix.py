@@ -1,34 +1,43 @@
 """Many missions, spread over the cores of this machine; each the same whenever it is played."""
 
+import math
 import multiprocessing
 import os
 import traceback
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
+from typing import Generic, TypeVar
 
 from acromovi.missions.course import Course, Played
 from acromovi.missions.judge import CRUISING, MissionVerdict, judge
-from acromovi.missions.tasks import ROBOTS, Job, Task
+from acromovi.missions.task import Mission, Task
 from apps.indoor_navigation.component import Component
+from configs import ConfigError
 from geometry import Pose2D
+from p2os_emu.fit import FitError
+from p2os_emu.world import WorldError
 
 PATIENCE = 60.0  # s, beyond
 SLOWNESS = 4.0  # times the time of the shortest way at cruising speed, after which a mission is late
 KEPT = 5  # of so many samples of a path one is kept for pictures
 
 
+M = TypeVar("M", bound=Mission)
+
+
 @dataclass(frozen=True, slots=True)
-class Result:
+class Result(Generic[M]):
     """A mission that has been played.
 
-    task, verdict: None when it crashed; error then holds the traceback.
+    task: None when there is no such mission. verdict: None when it could not be played; error then says why, with the
+    traceback of a defect.
     path, believed: true, and as odometry had it, 4 Hz.
     told: what the navigation told the person. reports: what went wrong in its components.
     """
 
-    job: Job
+    job: M
     task: Task | None = None
     verdict: MissionVerdict | None = None
     path: tuple[Pose2D, ...] = ()
@@ -47,10 +56,11 @@ Instead = Mapping[str, type[Component]]
 """Classes that take the place of components, by their names."""
 
 
-def play(job: Job, instead: Instead | None = None) -> Result:
+def play(job: M, instead: Instead | None = None) -> Result[M]:
     """Play one mission; whatever is raised makes it a failed one."""
+    task = None
     try:
-        task = Task.of(job)
+        task = job.task()
         played = _perform(task, instead)
         return Result(
             job,
@@ -61,26 +71,34 @@ def play(job: Job, instead: Instead | None = None) -> Result:
             played.told,
             played.reports,
         )
+    except (WorldError, ConfigError, FitError) as err:
+        return Result(job, task, error=str(err))
     except Exception:
-        return Result(job, error=traceback.format_exc())
+        return Result(job, task, error=traceback.format_exc())
 
 
 def _perform(task: Task, instead: Instead | None = None) -> Played:
     """Let the robot do a task."""
-    job = task.job
-    limit = PATIENCE + SLOWNESS * task.way.length / CRUISING
-    perfect = job.condition.is_perfect
-    fit = ROBOTS[job.robot]
-    with Course(task.world, job.robot, fit=fit, seed=job.seed, perfect=perfect, instead=instead) as course:
+    straight = math.dist((task.start.x, task.start.y), task.goal)
+    limit = PATIENCE + SLOWNESS * (task.way.length if task.way is not None else straight) / CRUISING
+    with Course(
+        task.world,
+        task.robot,
+        fit=task.fit,
+        start=task.start,
+        seed=task.seed,
+        perfect=task.is_perfect,
+        instead=instead,
+    ) as course:
         return course.go(task.goal, limit=limit)
 
 
 def play_all(
-    jobs: Sequence[Job],
-    on_result: Callable[[Result], None] = lambda result: None,
+    jobs: Sequence[M],
+    on_result: Callable[[Result[M]], None] = lambda result: None,
     processes: int | None = None,
     instead: Instead | None = None,
-) -> list[Result]:
+) -> list[Result[M]]:
     """Play missions on all cores.
 
     Args:
@@ -91,23 +109,19 @@ def play_all(
     Returns:
         In the order of the jobs.
     """
-    results = {}
+    results: dict[int, Result[M]] = {}
     spawn = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(processes or os.cpu_count(), spawn, _be_one_core) as pool:
-        under_way = {pool.submit(play, job, instead): job for job in jobs}
-        for result in _ended(under_way):
-            results[result.job] = result
-            on_result(result)
-    return [results[job] for job in jobs]
-
-
-def _ended(under_way: dict["Future[Result]", Job]) -> Iterator[Result]:
-    futures: Iterable[Future[Result]] = as_completed(under_way)
-    for future in futures:
-        try:
-            yield future.result()
-        except BrokenProcessPool as err:
-            yield Result(under_way[future], error=f"the process that played it has died: {err}")
+        under_way = {pool.submit(play, job, instead): number for number, job in enumerate(jobs)}
+        futures: Iterable[Future[Result[M]]] = as_completed(under_way)
+        for future in futures:
+            number = under_way[future]
+            try:
+                results[number] = future.result()
+            except BrokenProcessPool as err:
+                results[number] = Result(jobs[number], error=f"the process that played it has died: {err}")
+            on_result(results[number])
+    return [results[number] for number in range(len(jobs))]
 
 
 def _be_one_core() -> None:

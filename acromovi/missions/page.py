@@ -3,9 +3,9 @@
 import statistics
 from collections.abc import Callable, Iterable, Sequence
 
+from acromovi.missions.jobs import Case, Condition, Job
 from acromovi.missions.judge import MissionVerdict
 from acromovi.missions.matrix import Result
-from acromovi.missions.tasks import Case, Condition, Job
 
 STILL = (Condition.STATIC, Condition.ERROR)
 
@@ -20,7 +20,7 @@ MEASURES: dict[str, Callable[[MissionVerdict], float]] = {
 }
 
 
-class Results(tuple[Result, ...]):
+class Results(tuple[Result[Job], ...]):
     """Results of missions, and what is counted of them."""
 
     __slots__ = ()
@@ -59,7 +59,7 @@ class Results(tuple[Result, ...]):
         return {each.job: each.verdict for each in self if each.verdict is not None and each.verdict.reached}
 
 
-def page(results: Sequence[Result], others: Sequence[Result] = (), pictures: Iterable[str] = ()) -> str:
+def page(results: Sequence[Result[Job]], others: Sequence[Result[Job]] = (), pictures: Iterable[str] = ()) -> str:
     """Markdown.
 
     Args:
@@ -107,7 +107,7 @@ def _cells(results: Results) -> str:
     return "## By case and condition\n\n" + _table(head, rows)
 
 
-def _failures(results: Sequence[Result]) -> str:
+def _failures(results: Sequence[Result[Job]]) -> str:
     failed = [result for result in results if not result.is_good]
     if not failed:
         return "## Failures\n\nNone."
@@ -118,10 +118,10 @@ def _failures(results: Sequence[Result]) -> str:
     return "## Failures\n\n" + _table(("robot", "world", "what", "again"), rows)
 
 
-def _why(result: Result) -> str:
+def _why(result: Result[Job]) -> str:
     """What went wrong, in a line."""
     if result.verdict is None:
-        return f"crashed: {result.error.strip().splitlines()[-1]}"
+        return f"not played: {result.error.strip().splitlines()[-1]}"
     touched = f"touched {', '.join(result.verdict.touched)}" if result.verdict.touched else ""
     return "; ".join(filter(None, (result.verdict.why_not, touched)))
 

@@ -15,7 +15,7 @@ WALL, THING, OBSTACLE, PERSON = "#3d4248", "#cfc9bd", "#d9a520", "#7a4fa3"
 GOOD, BAD, BELIEVED, SHORTEST = "#1f6f4a", "#b5382f", "#c2571a", "#4f7fb5"
 
 
-def draw_mission(path: Path, result: Result) -> None:
+def draw_mission(path: Path, result: Result[Any]) -> None:
     """Draw one mission as a PNG or SVG, by the ending of `path`."""
     from matplotlib.figure import Figure  # slow to import, and only needed here
 
@@ -23,15 +23,16 @@ def draw_mission(path: Path, result: Result) -> None:
     axes = page.subplots()
     if (task := result.task) is not None:
         draw_world(axes, task.world)
-        _line(axes, task.way.points, SHORTEST, "shortest way", linestyle=":")
+        if task.way is not None:
+            _line(axes, task.way.points, SHORTEST, "shortest way", linestyle=":")
         _line(axes, [(p.x, p.y) for p in result.believed], BELIEVED, "as odometry has it", linestyle="--")
         _line(axes, [(p.x, p.y) for p in result.path], GOOD if result.is_good else BAD, "path", linewidth=2.0)
         axes.plot(task.start.x, task.start.y, "o", color=GOOD, label="start")
         axes.plot(*task.goal, "*", color=GOOD, markersize=14, label="goal")
+        axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False)
     axes.set_title(_title(result), loc="left", fontsize=10)
     axes.set_xlabel("x, m")
     axes.set_ylabel("y, m")
-    axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False)
     page.savefig(path, dpi=100)
 
 
@@ -47,10 +48,10 @@ def draw_world(axes: "Axes", world: WorldSpec, *, is_first: bool = True) -> None
     axes.set_aspect("equal")
 
 
-def _title(result: Result) -> str:
+def _title(result: Result[Any]) -> str:
     verdict = result.verdict
     if verdict is None:
-        return f"{result.job.command}\ncrashed"
+        return f"{result.job.command}\nnot played: {result.error.strip().splitlines()[-1] if result.error else ''}"
     said = "reached" if verdict.reached else f"not reached: {verdict.why_not}"
     touched = f"; touched {', '.join(verdict.touched)}" if verdict.touched else ""
     figures = f"{verdict.length:.1f} m, {verdict.over_shortest:.2f} of the shortest way, {verdict.seconds:.1f} s"

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
+from acromovi.missions.jobs import Case, Condition, Job
 from acromovi.missions.matrix import Result
-from acromovi.missions.tasks import Case, Condition, Job, Task
 from geometry import Pose2D
 
 pytest.importorskip("matplotlib", reason="pictures are drawn by an extra")
@@ -15,15 +15,15 @@ LEGEND = ("walls", "furniture", "obstacles", "ways of people", "start", "goal")
 
 
 @pytest.fixture(scope="module")
-def result() -> Result:
+def result() -> Result[Job]:
     """A mission with all that there is to see, that nobody has played."""
     job = Job(Case.ROOMS, Condition.ALL, 3, "p3at-sh", "office")
-    task = Task.of(job)
+    task = job.task()
     return Result(job, task=task, path=(task.start, Pose2D(*task.goal, 0.0)))
 
 
 @pytest.mark.parametrize("sheet", [True, False])
-def test_a_page_of_missions_has_a_legend_and_a_scale(result: Result, tmp_path: Path, sheet: bool) -> None:
+def test_a_page_of_missions_has_a_legend_and_a_scale(result: Result[Job], tmp_path: Path, sheet: bool) -> None:
     file = tmp_path / "page.svg"
     if sheet:
         draw_sheet(file, [result], "office")

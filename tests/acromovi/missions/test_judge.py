@@ -5,8 +5,9 @@ from itertools import pairwise
 import pytest
 
 from acromovi.missions.course import Played, Track
+from acromovi.missions.jobs import Condition
 from acromovi.missions.judge import judge
-from acromovi.missions.tasks import Case, Condition, Job, Task
+from acromovi.missions.task import Task
 from geometry import Pose2D
 from p2os_emu.world import WorldSpec
 from p2os_emu.world.shortest_path import Path
@@ -21,9 +22,8 @@ def straight(speed: float = 0.5, far: float = 4.0) -> Track:
 
 
 def task(condition: Condition = Condition.STATIC, goal: tuple[float, float] = (4.0, 0.0), wall: float = 9.0) -> Task:
-    job = Job.of(Case.ROOM, condition, 0)
     world = WorldSpec("test", walls=(Block(wall, 0.0, 0.0, 0.1, 4.0, 2.0, "a wall"),))
-    return Task(job, world, goal, Path(((0.0, 0.0), goal)))
+    return Task(world, "p2dx", "", goal, Path(((0.0, 0.0), goal)), is_perfect=condition.is_perfect)
 
 
 def test_straight_drive_at_cruising_speed_is_the_measure_of_all() -> None:

@@ -3,25 +3,39 @@ from pathlib import Path
 import pytest
 
 from acromovi.__main__ import main
+from acromovi.missions.jobs import Case, Condition, Job
 from acromovi.missions.matrix import Result, play, play_all
 from acromovi.missions.page import page
-from acromovi.missions.tasks import Case, Condition, Job
+from acromovi.missions.task import Task
 
 SHORT = Job.of(Case.ROOM, Condition.ERROR, 0)
 NOWHERE = Job.of(Case.ROOM, Condition.STATIC, 0, world="nowhere")
 
 
+class Crashing(Job):
+    """A job with a defect."""
+
+    def task(self) -> Task:
+        raise RuntimeError("a defect")
+
+
 def test_mission_that_crashes_has_failed_and_keeps_its_traceback() -> None:
-    result = play(NOWHERE)
+    result = play(Crashing.of(Case.ROOM, Condition.STATIC, 0))
     assert not result.is_good
     assert "Traceback" in result.error
-    assert "nowhere" in result.error
+    assert "a defect" in result.error
+
+
+def test_mission_in_a_world_that_does_not_exist_has_failed_with_a_sentence() -> None:
+    result = play(NOWHERE)
+    assert not result.is_good
+    assert result.error.startswith("there is no 'nowhere' among the worlds")
 
 
 def test_page_tells_of_each_failure_how_to_see_it_again() -> None:
     text = page([play(NOWHERE)])
     assert f"`{NOWHERE.command}`" in text
-    assert "crashed: " in text
+    assert "not played: " in text
 
 
 def test_page_of_nothing_but_good_missions_has_no_failures() -> None:

@@ -1,4 +1,4 @@
-"""What is asked of a robot: a mission by its case, condition and seed, with all that chance decides about it."""
+"""Missions by case, condition and seed: what is asked of a robot, with all that chance decides about it."""
 
 import math
 from collections.abc import Sequence
@@ -12,6 +12,7 @@ from random import Random
 import numpy as np
 
 import configs
+from acromovi.missions.task import Task
 from geometry import Point, Pose2D, Segment
 from p2os import RobotModel
 from p2os_emu.world import WorldError, WorldSpec, load_world
@@ -99,37 +100,26 @@ class Job:
         said += f" --robot {self.robot}" if self.robot != usual.robot else ""
         return said + (f" --world {self.world}" if self.world != usual.world else "")
 
+    @property
+    def name(self) -> str:
+        """For lists."""
+        return f"{self.case} {self.condition} {self.seed} {self.robot} {self.world}"
 
-@dataclass(frozen=True, slots=True)
-class Task:
-    """A job made ready. world: with one start. way: the shortest there is."""
-
-    job: Job
-    world: WorldSpec
-    goal: Point
-    way: Path
-
-    @classmethod
-    def of(cls, job: Job) -> "Task":
+    def task(self) -> Task:
         """Choose start and goal, put obstacles and people into the world: the same for the same job.
 
         Raises:
             ValueError: The world has no room for such a mission.
             WorldError, ConfigError: There is no such world or robot.
         """
-        chooser, start, goal, way = _ends(job.case, job.world, job.robot, job.seed)
+        chooser, start, goal, way = _ends(self.case, self.world, self.robot, self.seed)
         world = replace(chooser.world, starts=(start,))
-        if job.condition.has_obstacles:
-            world = chooser.with_obstacles(world, way, job.seed)
+        if self.condition.has_obstacles:
+            world = chooser.with_obstacles(world, way, self.seed)
             way = chooser.way(world, (start.x, start.y), goal) or way
-        if job.condition.has_people:
-            world = chooser.with_people(world, way, job.seed)
-        return cls(job, world, goal, way)
-
-    @property
-    def start(self) -> Pose2D:
-        """Where the robot begins."""
-        return self.world.starts[0]
+        if self.condition.has_people:
+            world = chooser.with_people(world, way, self.seed)
+        return Task(world, self.robot, ROBOTS[self.robot], goal, way, self.seed, self.condition.is_perfect)
 
 
 @lru_cache(maxsize=16)  # all conditions of a few seeds, which are played one after the other
@@ -153,8 +143,8 @@ class _Chooser:
     def __init__(self, world: WorldSpec, doors: Sequence[Segment], model: RobotModel) -> None:
         self.world = world
         self._doors = [((door.x1 + door.x2) / 2, (door.y1 + door.y2) / 2) for door in doors]
-        self._half = model.width / 2
-        self._sweep = math.hypot(max(model.length_front, model.length_rear), self._half)
+        self._half_width = model.width / 2
+        self._sweep = math.hypot(max(model.length_front, model.length_rear), self._half_width)
         self._turning = FreeSpace(world, self._sweep + TURNING)
         self._rooms = FreeSpace(replace(world, furniture=()), WIDER_THAN_DOORS)
         names = sorted(world.places)
@@ -180,16 +170,16 @@ class _Chooser:
 
     def way(self, world: WorldSpec, start: Point, goal: Point) -> Path | None:
         """The shortest way for the robot, if there is one."""
-        return shortest_path(world, start, goal, radius=self._half + PASSING)
+        return shortest_path(world, start, goal, radius=self._half_width + PASSING)
 
     def with_obstacles(self, world: WorldSpec, way: Path, seed: int) -> WorldSpec:
         """Things on the way or beside it; another way stays free."""
         ends = way.points[0], way.points[-1]
-        ease = next(ease for ease in AT_EASE if shortest_path(world, *ends, radius=self._half + ease) is not None)
+        ease = next(ease for ease in AT_EASE if shortest_path(world, *ends, radius=self._half_width + ease) is not None)
         bounded = _between(world, *ends)
         for count in range(MOST_OBSTACLES, 0, -1):
             with suppress(WorldError):  # no room for so many: try fewer
-                radius = self._half + ease
+                radius = self._half_width + ease
                 fuller = with_obstacles(bounded, seed, count, radius=radius, keep_clear=self._doors)
                 return replace(fuller, places=world.places)
         return world

@@ -4,7 +4,7 @@ from dataclasses import replace
 import pytest
 
 import configs
-from acromovi.missions.tasks import ROBOTS, Case, Condition, Job, Task
+from acromovi.missions.jobs import ROBOTS, Case, Condition, Job
 from p2os import RobotModel
 from p2os_emu.world.free_space import FreeSpace
 
@@ -21,19 +21,20 @@ def test_matrix_has_three_hundred_missions_with_all_robots_in_both_kinds_of_worl
 @pytest.mark.parametrize("condition", Condition)
 def test_same_job_is_the_same_task(condition: Condition) -> None:
     job = Job.of(Case.ROOMS, condition, 3)
-    assert Task.of(job) == Task.of(job)
+    assert job.task() == job.task()
 
 
 def test_conditions_of_one_seed_share_start_and_goal() -> None:
-    tasks = [Task.of(Job.of(Case.CORRIDOR, condition, 2)) for condition in Condition]
+    tasks = [Job.of(Case.CORRIDOR, condition, 2).task() for condition in Condition]
     assert len({(task.start, task.goal) for task in tasks}) == 1
 
 
 @pytest.mark.parametrize("case", Case)
 @pytest.mark.parametrize("seed", [0, 1, 2, 7])
 def test_every_mission_is_possible_whatever_stands_in_the_way(case: Case, seed: int) -> None:
-    task = Task.of(Job.of(case, Condition.ALL, seed))
-    model = configs.load(RobotModel, "robots", task.job.robot)
+    task = Job.of(case, Condition.ALL, seed).task()
+    model = configs.load(RobotModel, "robots", task.robot)
+    assert task.way is not None
     assert FreeSpace(task.world, model.width / 2).has_way(task.way.points)
     assert math.dist(task.way.points[0], (task.start.x, task.start.y)) == 0.0
     assert task.way.points[-1] == task.goal
@@ -44,7 +45,8 @@ def test_every_mission_is_possible_whatever_stands_in_the_way(case: Case, seed: 
 def test_mission_in_a_room_passes_no_door_and_one_into_another_room_two() -> None:
     for seed in range(3):
         for case, passes in ((Case.ROOM, False), (Case.ROOMS, True)):
-            task = Task.of(Job.of(case, Condition.STATIC, seed))
+            task = Job.of(case, Condition.STATIC, seed).task()
+            assert task.way is not None
             space = FreeSpace(replace(task.world, furniture=()), 0.65)
             assert passes != space.has_way((task.way.points[0], task.goal))
 
@@ -56,4 +58,4 @@ def test_command_of_a_job_names_what_is_unusual() -> None:
 
 def test_world_without_rooms_is_refused_in_a_sentence() -> None:
     with pytest.raises(ValueError, match="choose another world"):
-        Task.of(Job.of(Case.ROOM, Condition.STATIC, 0, world="empty"))
+        Job.of(Case.ROOM, Condition.STATIC, 0, world="empty").task()
