@@ -1,6 +1,8 @@
 """Optical flow and time to contact in a drawn room."""
 
-from collections.abc import Callable
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cache
 from math import degrees, radians
 
 import cv2
@@ -71,45 +73,65 @@ def test_rotation_by_slopes_agrees_with_rotation_by_geometry() -> None:
         assert np.allclose(geometry.rotation_in(flow, (0.1, 0.05), np.ones((120, 160))), small, atol=2e-5)
 
 
-def drive(
-    seed: int, speed: float, yaws: Callable[[int], float], is_known: bool, count: int = 30, start: float = 1.0
-) -> tuple[list[float], list[ContactResult]]:
+@dataclass(frozen=True)
+class Course:
+    """A drive through a room; the yaw rate is steady, rad/s, or swings by `swing`."""
+
+    seed: int
+    speed: float
+    yaw: float = 0.0
+    swing: float = 0.0
+    count: int = 30
+
+    def poses(self) -> Iterator[tuple[float, float, float, float]]:
+        """Place and heading at each image, and the turn since the one before."""
+        x, y, heading, turned = 1.0, 0.0, 0.0, 0.0
+        for number in range(self.count):
+            yield x, y, heading, turned
+            turned = (self.yaw + self.swing * float(np.sin(number / 5))) * DT
+            x += self.speed * DT * float(np.cos(heading + turned / 2))
+            y += self.speed * DT * float(np.sin(heading + turned / 2))
+            heading += turned
+
+
+@cache  # drawing takes longer than all that is done with the images
+def images(course: Course) -> list[Pixels]:
+    room = Room(course.seed)
+    return [room.image(CAMERA, x, y, heading) for x, y, heading, _ in course.poses()]
+
+
+def drive(course: Course, is_known: bool) -> tuple[list[float], list[ContactResult]]:
     """Relative errors of all columns whose time is between 1 and 8 s, and the results."""
-    room, estimator = Room(seed), ContactEstimator(MODEL)
-    x, y, heading, turned = start, 0.0, 0.0, 0.0
+    room, estimator = Room(course.seed), ContactEstimator(MODEL)
     errors, results = [], []
-    for number in range(count):
-        result = estimator.update(room.image(CAMERA, x, y, heading), DT, turned if is_known else None)
+    for number, ((x, y, heading, turned), image) in enumerate(zip(course.poses(), images(course), strict=True)):
+        result = estimator.update(image, DT, turned if is_known else None)
         if result and number > 6:
             results.append(result)
             for bearing, time in zip(result.bearings, result.times, strict=True):
-                true = room.depth(x, y, heading, bearing) / speed
+                true = room.depth(x, y, heading, bearing) / course.speed
                 if 1 <= true <= 8:
                     errors.append(abs(min(time, 100.0) - true) / true)
-        turned = yaws(number) * DT
-        x += speed * DT * np.cos(heading + turned / 2)
-        y += speed * DT * np.sin(heading + turned / 2)
-        heading += turned
     return errors, results
 
 
 @pytest.mark.parametrize("seed", [100, 101])
 @pytest.mark.parametrize("is_known", [True, False])
 def test_time_to_contact_of_a_straight_drive(seed: int, is_known: bool) -> None:
-    errors, results = drive(seed, 0.6, lambda _: 0.0, is_known)
+    errors, results = drive(Course(seed, 0.6), is_known)
     assert np.median(errors) < 0.15
     assert np.median([abs(result.yaw) / result.interval for result in results]) < radians(0.5)
 
 
 @pytest.mark.parametrize("is_known", [True, False])
 def test_time_to_contact_while_turning(is_known: bool) -> None:
-    errors, results = drive(102, 0.5, lambda number: 0.4 * np.sin(number / 5), is_known)
+    errors, results = drive(Course(102, 0.5, swing=0.4), is_known)
     assert np.median(errors) < 0.15
     assert all(result.interval < 0.6 for result in results)
 
 
 def test_a_robot_that_stands_and_turns_has_nothing_ahead() -> None:
-    _, results = drive(103, 1e-9, lambda _: 0.3, True, 15)
+    _, results = drive(Course(103, 1e-9, yaw=0.3, count=15), True)
     assert np.median(results[-1].times) > 15.0
 
 
@@ -155,6 +177,6 @@ def test_misuse_is_refused(still: Pixels) -> None:
 
 def test_equal_images_give_equal_results() -> None:
     def times() -> Floats:
-        return drive(104, 0.6, lambda _: 0.1, False, 12)[1][-1].times
+        return drive(Course(104, 0.6, yaw=0.1, count=12), False)[1][-1].times
 
     assert np.array_equal(times(), times(), equal_nan=True)
