@@ -83,7 +83,9 @@ class FloorMemory:
         angles = (bearings[known][:, None] + spread).ravel()
         depth = np.repeat(depths[known], _RAYS)
         far = depth / np.cos(angles)
-        free_to = np.minimum(far * memory.free_share - self._cell, memory.range_m)
+        # An edge within a column belongs to what is nearer, which may be in the column beside it.
+        unhidden = _beside_edges(depths)[known].ravel() / np.cos(angles)
+        free_to = np.minimum(unhidden * memory.free_share - self._cell, memory.range_m)
         steps = np.arange(self._cell / 2.0, memory.range_m, self._cell)
         at = np.broadcast_to(steps, (len(angles), len(steps)))
         inside = at < free_to[:, None]
@@ -144,6 +146,12 @@ class FloorMemory:
 
     def _index(self, places: Floats) -> Ints:
         return np.floor(places / self._cell).astype(np.int64)
+
+
+def _beside_edges(depths: Floats) -> Floats:
+    """Return how far each ray of a column is free, m, from right to left, shape (columns, 3); see `FloorMemory.see`."""
+    padded = np.concatenate(([np.inf], np.nan_to_num(depths, nan=np.inf, posinf=np.inf), [np.inf]))
+    return np.stack((np.minimum(depths, padded[2:]), depths, np.minimum(depths, padded[:-2])), axis=1)
 
 
 def _wrapped(cells: Ints) -> tuple[Ints, Ints]:
