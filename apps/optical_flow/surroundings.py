@@ -11,7 +11,7 @@ from geometry import Pose2D
 
 _STEP = 0.25  # s along a curve
 _TURN_STEP = np.radians(6.0)
-_TURN_GAP = 0.05  # m between the hull and an obstacle while it turns on the spot
+_TURN_GAP = 0.07  # m between the hull and an obstacle while it turns on the spot
 _NEXT = 0.45  # m before the hull that the camera does not see beside its middle, so that it must have been seen before
 _UNSEEN = 4.0  # cells at the hull that make a curve as risky as one can be
 _NEARER, _LEAST = 0.02, 0.05  # m by which what is within the margin may come nearer, and how near at most
@@ -48,7 +48,8 @@ class FlowSurroundings:
         points = memory.obstacles(pose)
         half = robot.width_m / 2.0 + settings.drive.side_gap_m
         x, y = points[:, 0], points[:, 1]
-        lane = (np.abs(y) < half) & (x > 0.0)
+        # What is beside the hull, within the margin, is not ahead.
+        lane = (x > 0.0) & (np.abs(y) < np.where(x > robot.front_m, half, robot.width_m / 2.0))
         beside = (x > -robot.rear_m) & (x < _BESIDE)
         left, right = y[beside & (y > 0.0)], -y[beside & (y <= 0.0)]
         steps = np.arange(cell / 2.0, reach, cell)
