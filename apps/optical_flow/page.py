@@ -18,12 +18,14 @@ from fastapi import FastAPI
 from nicegui import ui
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
+from agents.platform.errors import in_words
 from apps.optical_flow.film import FlowView
 from apps.optical_flow.record import FlowRecord
 from apps.optical_flow.settings import FlowPageSettings
 from apps.optical_flow.wanderer import WanderOrders
 from apps.web.server import address, listening, page_server, serve_pages
 from apps.web.viewer import STYLE, ImageViewer, image_reply
+from configs.loader import ConfigError
 
 _TITLE = "Optical-flow navigation"
 _READY = 10.0  # s until the page is served
@@ -48,7 +50,7 @@ class FlowPage:
             record: Of the drive.
             settings: Of the page.
         Raises:
-            ConfigError: The address cannot be used.
+            ConfigError: The address cannot be used, or this process has served a page before: NiceGUI starts only once.
         """
         self.orders: WanderOrders | None = None
         self._record, self._settings = record, settings
@@ -60,12 +62,11 @@ class FlowPage:
         self._server: uvicorn.Server | None = None
         listener = listening(settings.host, port)
         self.url = address(listener, settings.host)
-        is_ready = threading.Event()
-        self._thread = threading.Thread(
-            target=lambda: asyncio.run(self._serve(listener, is_ready)), name="flow page", daemon=True
-        )
+        self._is_ready, self._error = threading.Event(), ""
+        self._thread = threading.Thread(target=self._run, args=(listener,), name="flow page", daemon=True)
         self._thread.start()
-        is_ready.wait(_READY)
+        if not self._is_ready.wait(_READY) or self._error:
+            raise ConfigError(f"the page cannot be served: {self._error or 'it does not start'}")
 
     @property
     def is_watched(self) -> bool:
@@ -88,13 +89,21 @@ class FlowPage:
             self._server.should_exit = True
         self._thread.join(_READY)
 
-    async def _serve(self, listener: socket.socket, is_ready: threading.Event) -> None:
+    def _run(self, listener: socket.socket) -> None:
+        try:
+            with listener:
+                asyncio.run(self._serve(listener))
+        except Exception as err:  # whatever it is, it must neither be lost nor keep the drive waiting
+            self._error = in_words(err)
+        finally:
+            self._is_ready.set()
+
+    async def _serve(self, listener: socket.socket) -> None:
         app = FastAPI(openapi_url=None)
         app.add_api_websocket_route(_FRAMES, self._send_frames)
         ui.page("/")(self._build)
         self._server = page_server(app, _TITLE, self._settings.host)
-        with listener:
-            await serve_pages(self._server, listener, is_ready.set)
+        await serve_pages(self._server, listener, self._is_ready.set)
 
     async def _send_frames(self, browser: WebSocket) -> None:
         """Answer the requests of one browser until it ends."""
