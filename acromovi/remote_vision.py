@@ -35,16 +35,15 @@ def _run(arguments: argparse.Namespace) -> int:
 
     require("acromovi remote-vision", "console", "vision")
     from agents.client.errors import RobotError
-    from apps.remote_vision.server import listening, serve
+    from apps.remote_vision.server import serve
     from apps.remote_vision.settings import RemoteVisionSettings
+    from apps.web.server import address, listening
     from bus.session import ZenohBus
     from configs.loader import ConfigError
 
     settings = RemoteVisionSettings.load(arguments.settings)
     with listening(arguments.host, arguments.port) as listener, ZenohBus.open(arguments.bus) as bus:
-        port = listener.getsockname()[1]
-        name = f"[{arguments.host}]" if ":" in arguments.host else arguments.host
-        words = f"remote vision of {arguments.robot}: http://{name}:{port}/ (Ctrl-C ends it)"
+        words = f"remote vision of {arguments.robot}: {address(listener, arguments.host)} (Ctrl-C ends it)"
         try:
             asyncio.run(
                 serve(bus, arguments.robot, settings, listener, arguments.host, lambda: print(words, flush=True))

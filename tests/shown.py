@@ -40,6 +40,7 @@ ELSEWHERE = {
     "acromovi teleop doc": "tests/acromovi/test_teleop.py",
     "acromovi up lab.toml": OPTICAL_FLOW,
     "acromovi run optical_flow robot=bart": OPTICAL_FLOW,
+    "acromovi run optical_flow robot=bart page=8080": "tests/apps/optical_flow/test_in_a_browser.py, on any free port",
     "acromovi promote optical_flow robot=bart": OPTICAL_FLOW,
     "acromovi ask optical_flow@apps status": OPTICAL_FLOW,
     "acromovi teleop happy": "tests/acromovi/test_teleop.py",

@@ -78,7 +78,12 @@ class ContactEstimator:
         self._geometry = FlowGeometry(self._camera)
         count = self._parameters.columns
         edges = np.linspace(-0.5, width - 0.5, count + 1)
-        self._column = np.clip(np.searchsorted(edges, np.arange(width)) - 1, 0, count - 1)
+        owner = np.clip(np.searchsorted(edges, np.arange(0, width, _STEP)) - 1, 0, count - 1)
+        most = int(np.bincount(owner, minlength=count).max())
+        self._pixels = np.full((count, most), len(owner))  # of each column, one in `_STEP`; none where a row has fewer
+        for number in range(count):
+            own = np.flatnonzero(owner == number)
+            self._pixels[number, : len(own)] = own
         middles = np.stack(((edges[1:] + edges[:-1]) / 2.0, np.full(count, self._camera.cy)), axis=1)
         self.bearings: Floats = np.arctan(self._camera.rays_of(middles)[:, 1])
         self.reset()
@@ -190,18 +195,18 @@ class ContactEstimator:
         weights = texture[chosen] * np.abs(expansion)
         rates = moved / np.where(np.abs(expansion) < 1.0, np.copysign(1.0, expansion), expansion)
         weights[np.abs(expansion) < 2.0] = 0.0
-        result = np.full(self._parameters.columns, np.nan)
-        variance = np.full(self._parameters.columns, np.inf)
-        owner = self._column[columns]
-        for number in range(self._parameters.columns):
-            own = owner == number
-            if not own.any():
-                continue
-            middle, spread, count = _weighted_median(rates[:, own].ravel(), weights[:, own].ravel())
-            count = min(count, float(texture[chosen][:, own][weights[:, own] > 0.0].sum()))
-            if count >= _FEWEST:
-                result[number] = middle
-                variance[number] = spread**2 / count * 4.0 + 1e-6  # neighbouring pixels share their flow
+        # All pixels of a column are one row, which ends with pixels without weight where it has fewer than others.
+        at = np.minimum(self._pixels, len(columns) - 1)
+        count = len(at)
+        values = rates[:, at].transpose(1, 0, 2).reshape(count, -1)
+        weights = np.where(self._pixels < len(columns), weights[:, at], 0.0).transpose(1, 0, 2).reshape(count, -1)
+        middles, spreads, full = _weighted_medians(values, weights)
+        good = np.where(weights > 0.0, texture[chosen][:, at].transpose(1, 0, 2).reshape(count, -1), 0.0).sum(axis=1)
+        full = np.minimum(full, good)
+        enough = full >= _FEWEST
+        result = np.where(enough, middles, np.nan)
+        # Neighbouring pixels share their flow.
+        variance = np.where(enough, spreads**2 / np.maximum(full, 1.0) * 4.0 + 1e-6, np.inf)
         return result, variance
 
     def _filtered(self, rate: Floats, variance: Floats, dt: float, yaw: float) -> None:
@@ -232,17 +237,16 @@ class ContactEstimator:
         return x, y
 
 
-def _weighted_median(values: Floats, weights: Floats) -> tuple[float, float, float]:
-    """Return the weighted median, the deviation about it, and how many full weights there are."""
-    used = weights > 0.0
-    values, weights = values[used], weights[used]
-    if not len(values):
-        return 0.0, 0.0, 0.0
-    middle = _median(values, weights)
-    return middle, 1.4826 * _median(np.abs(values - middle), weights), float(weights.sum() ** 2 / (weights**2).sum())
+def _weighted_medians(values: Floats, weights: Floats) -> tuple[Floats, Floats, Floats]:
+    """Return for each row the weighted median, the deviation about it, and how many full weights there are."""
+    middles = _medians(values, weights)
+    spreads = 1.4826 * _medians(np.abs(values - middles[:, None]), weights)
+    squares = (weights**2).sum(axis=1)
+    return middles, spreads, weights.sum(axis=1) ** 2 / np.where(squares > 0.0, squares, 1.0)
 
 
-def _median(values: Floats, weights: Floats) -> float:
-    order = np.argsort(values)
-    total = np.cumsum(weights[order])
-    return float(values[order[np.searchsorted(total, total[-1] / 2.0)]])
+def _medians(values: Floats, weights: Floats) -> Floats:
+    order = np.argsort(values, axis=1)
+    total = np.cumsum(np.take_along_axis(weights, order, axis=1), axis=1)
+    half = (total < total[:, -1:] / 2.0).sum(axis=1)
+    return np.asarray(np.take_along_axis(values, np.take_along_axis(order, half[:, None], axis=1), axis=1)[:, 0])

@@ -14,6 +14,7 @@ import numpy as np
 from vision.camera_model import PinholeModel
 from vision.image import Floats, Pixels, VisionError, grey_pixels
 
+_SMALL = 200  # px wide; smaller images are compared at a finer scale
 _CORNERS = 200
 _BACK = 0.5  # px by which a corner may miss its place when it is followed back
 _WINDOW = (15, 15)
@@ -32,6 +33,8 @@ def dense_flow(before: Pixels, after: Pixels) -> Floats:
     """
     one, two = _same_size(before, after)
     search = cv2.DISOpticalFlow.create(cv2.DISOPTICAL_FLOW_PRESET_FAST)
+    if one.shape[1] <= _SMALL:
+        search.setFinestScale(1)  # the preset's is 2, a quarter of the size: 40 px of 160, in which edges are lost
     return np.asarray(search.calc(one, two, None), np.float64)  # type: ignore[call-overload]  # the stubs demand a matrix where OpenCV takes None
 
 

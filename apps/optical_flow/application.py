@@ -1,10 +1,10 @@
 """The application: reads the robot, steps the wanderer, drives, and answers requests."""
 
 import math
-from contextlib import suppress
+from contextlib import ExitStack, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -13,13 +13,15 @@ from agents import Failed, Refused, Robot, RobotError, Stopped, Team, request
 from agents.client.element import ElementClient
 from apps.optical_flow.columns import FlowColumns
 from apps.optical_flow.feed import FlowFeed
-from apps.optical_flow.film import ENDINGS, FilmWriter, draw_frame
+from apps.optical_flow.film import ENDINGS, FilmWriter
 from apps.optical_flow.plots import draw_wandering
 from apps.optical_flow.record import FlowRecord
 from apps.optical_flow.settings import FlowSettings
-from apps.optical_flow.sight import FlowReadings
 from apps.optical_flow.wanderer import Wanderer, WanderOrders
 from configs.extras import ExtraMissing, require
+
+if TYPE_CHECKING:
+    from apps.optical_flow.page import FlowPage  # it needs an extra
 
 SERVICES = ("optical-flow-navigation",)  # for the directory, when it runs as an agent
 PLOTS = (".svg", ".png")
@@ -44,6 +46,7 @@ def main(
     settings: str = "",
     picture: str = "optical-flow.svg",
     film: str = "optical-flow.gif",
+    page: int = -1,
 ) -> None:
     """Wander by optical flow until stopped.
 
@@ -54,6 +57,7 @@ def main(
         settings: A file with changes of `settings.toml`.
         picture: File for the plots at the end; none if empty.
         film: File, .gif or .mp4, for frames with flow and time to contact; none if empty.
+        page: TCP port of the live page, 0 for any free one; no page below 0.
     Raises:
         RobotError: An argument is not valid, or the robot or its camera is missing.
     """
@@ -67,17 +71,16 @@ def main(
     writer = _writer(film, tuned)
     flow = me.element("flow")
     found = _options(flow)
-    flow.ask("configure", vectors=writer is not None)  # dense, 16 columns: what the settings are made for
     record = FlowRecord(me.name)
     _running.record, _running.orders, _running.settings = record, None, tuned
-    try:
-        _wander(team, me, feed, record, writer, seconds)
+    with ExitStack() as at_end:
+        served = _page(page, record, tuned, at_end)
+        flow.ask("configure", vectors=bool(writer or served))  # dense, 16 columns: what the settings are made for
+        at_end.callback(_finish, record, picture, writer)
+        at_end.callback(_restore, flow, found)
+        at_end.callback(feed.close)
+        _wander(team, me, feed, record, _Showing(feed, tuned, writer, served), seconds)
         me.base.stop()
-    finally:
-        feed.close()
-        with suppress(RobotError, Stopped):  # the agent may have gone, and the program is ending
-            flow.ask("configure", **found)
-        _finish(record, picture, writer)
 
 
 @request("status")
@@ -99,15 +102,49 @@ def status() -> dict[str, Any]:
     }
 
 
-def _wander(
-    team: Team, me: Robot, feed: FlowFeed, record: FlowRecord, writer: FilmWriter | None, seconds: float
-) -> None:
-    """Drive until the program is to end, or the time is over."""
+class _Showing:
+    """Puts images with their flow into the film and on the page, no more of them than these need."""
+
+    def __init__(
+        self, feed: FlowFeed, settings: FlowSettings, writer: FilmWriter | None, page: "FlowPage | None"
+    ) -> None:
+        self._feed, self._settings, self._writer, self._page = feed, settings, writer, page
+        self._next_frame = self._next_view = 0.0  # s
+
+    @property
+    def is_stopped(self) -> bool:
+        """Whether somebody has ended the drive from the page."""
+        return self._page is not None and self._page.is_stopped
+
+    def step(self, now: float, orders: WanderOrders) -> None:
+        """Show what there is at a time, s."""
+        if self._page is not None:
+            self._page.orders = orders
+        writer = self._writer if now >= self._next_frame else None
+        page = self._page if self._page is not None and self._page.is_watched and now >= self._next_view else None
+        if writer is None and page is None:
+            return
+        view = self._feed.view(f"{now:.0f} s  {orders.situation.value}: {orders.reason}")
+        if view is None:
+            return
+        if writer is not None:
+            self._next_frame = now + 1.0 / self._settings.film.rate
+            writer.add(view.frame())
+        if page is not None:
+            self._next_view = now + 1.0 / self._settings.page.rate
+            page.show(view)
+
+
+def _wander(team: Team, me: Robot, feed: FlowFeed, record: FlowRecord, showing: _Showing, seconds: float) -> None:
+    """Drive until the program is to end, the time is over, or somebody ends the drive from the page."""
     settings = _running.settings
     wanderer = Wanderer(settings)
-    next_report, next_frame, refusal = settings.report_s, 0.0, ""
+    next_report, refusal = settings.report_s, ""
     _tell(record, 0.0, f"{me.name} wanders by optical flow at {settings.drive.speed_m_s:g} m/s")
     for now in team.every(settings.period_s):
+        if showing.is_stopped:
+            _tell(record, now, "stopped from the page")
+            return
         readings = feed.read(now, settings.period_s / 2.0)
         if readings is None:
             continue
@@ -119,9 +156,7 @@ def _wander(
             _tell(record, now, f"{orders.situation.value}: {orders.reason}")
         record.touches = wanderer.contacts
         record.add(now, readings.pose, least_contact(readings.columns), orders.situation)
-        if writer is not None and readings.columns is not None and now >= next_frame:
-            next_frame = now + 1.0 / settings.film.rate
-            _film(writer, feed, readings, orders)
+        showing.step(now, orders)
         if now >= next_report:
             next_report = now + settings.report_s
             width = settings.coverage.width_m
@@ -148,14 +183,6 @@ def _driven(me: Robot, feed: FlowFeed, orders: WanderOrders) -> str:
     return ""
 
 
-def _film(writer: FilmWriter, feed: FlowFeed, readings: FlowReadings, orders: WanderOrders) -> None:
-    """Add a frame of the newest picture; it is at most one image older than the flow that is drawn over it."""
-    image = feed.picture()
-    if image is not None and readings.columns is not None:
-        words = f"{readings.time:.0f} s  {orders.situation.value}: {orders.reason}"
-        writer.add(draw_frame(image, readings.columns, feed.result.get("vectors") or (), words))
-
-
 def _tell(record: FlowRecord, now: float, told: str) -> None:
     record.told.append(f"{now:.1f} s: {told}")
     print(record.told[-1], flush=True)
@@ -177,6 +204,11 @@ def _finish(record: FlowRecord, picture: str, writer: FilmWriter | None) -> None
         print(f"no picture: {err}", flush=True)
 
 
+def _restore(flow: ElementClient[Any], options: dict[str, Any]) -> None:
+    with suppress(RobotError, Stopped):  # the agent may have gone, and the program is ending
+        flow.ask("configure", **options)
+
+
 def _options(flow: ElementClient[Any]) -> dict[str, Any]:
     """Return the options of the flow agent that other programs use now, as a result of it shows them."""
     try:
@@ -194,6 +226,24 @@ def _writer(film: str, settings: FlowSettings) -> FilmWriter | None:
     except ExtraMissing as err:
         raise RobotError(f"{err}; film= does without") from err
     return FilmWriter(Path(film), round(settings.film.longest_s * settings.film.rate))
+
+
+def _page(port: int, record: FlowRecord, settings: FlowSettings, at_end: ExitStack) -> "FlowPage | None":
+    """Serve the page until the end; None if none is wanted."""
+    if port < 0:
+        return None
+    if port >= 1 << 16:
+        raise RobotError(f"page={port} is not a TCP port; give a number from 0 to 65535")
+    try:
+        require("the page", "console", "vision")
+        from apps.optical_flow.page import FlowPage
+
+        page = FlowPage(port, record, settings.page)
+    except configs.ConfigError as err:  # an extra is missing as well
+        raise RobotError(str(err)) from err
+    at_end.callback(page.close)
+    print(f"live page of {record.robot}: {page.url}", flush=True)
+    return page
 
 
 def _settings(file: str) -> FlowSettings:

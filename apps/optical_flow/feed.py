@@ -1,6 +1,7 @@
 """Readings of one robot for the wanderer: odometry, bumpers, and the stream of the flow agent."""
 
 import math
+from collections import deque
 from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import Future, ThreadPoolExecutor, wait
 from dataclasses import dataclass
@@ -9,10 +10,13 @@ from typing import Any
 from agents import Robot, RobotError
 from agents.client.readings import OtherReading
 from apps.optical_flow.columns import FlowColumns
+from apps.optical_flow.film import FlowView, Pixels
 from apps.optical_flow.sight import FlowReadings
 from geometry import Pose2D, Twist2D
 
 ANSWER_TIME = 1.0  # s for a reading
+_KEPT = 10  # results of the flow agent, among which that of a picture is found
+_APART = 0.05  # s between the stamps of a picture and a result that are of the same exposure, at most
 
 
 @dataclass(slots=True)
@@ -29,8 +33,6 @@ class FlowFeed:
 
     Each call begins at most one request of a kind, and nothing begins one by itself: when the program hangs, its calls
     end, it counts as unattended, and the robot stops.
-
-    result: the latest one of the flow agent.
     """
 
     def __init__(self, robot: Robot) -> None:
@@ -41,7 +43,6 @@ class FlowFeed:
         Raises:
             RobotError: It lacks one.
         """
-        self.result: dict[str, Any] = {}
         self._robot = robot
         self._flow = robot.element("flow")
         self._results: Iterator[Any] | None = None
@@ -49,7 +50,9 @@ class FlowFeed:
         self._asked = {"flow": _Asked(self._next_result), "base": _Asked(self._odometry)}
         if robot.has("bumpers"):
             self._asked["bumpers"] = _Asked(self._bumpers)
-        self._picture = _Asked(lambda: robot.camera.picture().pixels())
+        self._picture = _Asked(self._stamped_pixels)
+        self._viewed = math.nan  # stamp of the latest picture that was returned
+        self._recent: deque[tuple[FlowColumns, Any]] = deque(maxlen=_KEPT)  # results with their vectors
         self._base: dict[str, Any] | None = None
         self._stamp = math.nan  # of the latest odometry
         self._heard = -math.inf  # s, when it was new
@@ -72,8 +75,9 @@ class FlowFeed:
             return None
         columns, trouble = None, self._asked["flow"].error
         if (result := new.get("flow")) is not None:
-            self.result = result
             trouble, columns = str(result.get("trouble") or ""), FlowColumns.of(result)
+            if columns is not None:
+                self._recent.append((columns, result.get("vectors") or ()))
         if now - self._heard > ANSWER_TIME:
             trouble = f"no odometry for {now - self._heard:.1f} s"
         pose = Pose2D(float(self._base["x"]), float(self._base["y"]), float(self._base["heading"]))
@@ -86,11 +90,21 @@ class FlowFeed:
         """Take a refusal to drive on against something for a contact."""
         self._is_stalled = True
 
-    def picture(self) -> Any:
-        """Return a picture's pixels where one has come since the last call, and ask for the next; else None."""
-        image = _answer(self._picture)
-        self._begin(self._picture)
-        return image
+    def view(self, words: str) -> FlowView | None:
+        """Return a new picture with its flow where one has come since an earlier call; else None, and ask for one.
+
+        Args:
+            words: Situation and reason.
+        """
+        taken: tuple[float, Pixels] | None = _answer(self._picture)
+        if taken is None:
+            self._begin(self._picture)
+        if taken is None or not self._recent or taken[0] == self._viewed:
+            return None
+        stamp, image = taken
+        self._viewed = stamp
+        columns, vectors = min(self._recent, key=lambda each: abs(each[0].stamp - stamp))
+        return FlowView(stamp, image, columns, vectors, words) if abs(columns.stamp - stamp) < _APART else None
 
     def close(self) -> None:
         """Begin no more requests."""
@@ -115,6 +129,10 @@ class FlowFeed:
 
     def _odometry(self) -> dict[str, Any]:
         return dict(self._robot.base.ask("read", within=ANSWER_TIME))
+
+    def _stamped_pixels(self) -> tuple[float, Pixels]:
+        picture = self._robot.camera.picture()
+        return picture.stamp, picture.pixels()
 
     def _bumpers(self) -> dict[str, Any]:
         return dict(self._robot.bumpers.ask("read", within=ANSWER_TIME))

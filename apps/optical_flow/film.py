@@ -1,6 +1,7 @@
 """Frames with image, flow field and time to contact, and the film made of them. OpenCV is loaded where it is used."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +19,25 @@ ENDINGS = (".gif", ".mp4")
 _ARROW = 0.35  # s of flow that an arrow shows
 _LEAST = 4.0  # px/s; shorter flow is a dot
 _GREEN, _ORANGE, _RED, _GREY = (74, 157, 42), (13, 140, 217), (47, 56, 181), (150, 150, 150)  # blue, green, red
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FlowView:
+    """What is drawn of one time.
+
+    stamp: of the exposure, s. image: blue, green and red. columns: of this image. vectors: of its flow, rows of [x, y,
+    right, down] in px of the image and px/s. words: situation and reason.
+    """
+
+    stamp: float
+    image: Pixels
+    columns: FlowColumns
+    vectors: Sequence[Sequence[float]]
+    words: str
+
+    def frame(self) -> Pixels:
+        """Return the drawing of it, as `draw_frame` makes it."""
+        return draw_frame(self.image, self.columns, self.vectors, self.words)
 
 
 def draw_frame(image: Pixels, columns: FlowColumns, vectors: Sequence[Sequence[float]], words: str) -> Pixels:

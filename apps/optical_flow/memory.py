@@ -83,7 +83,9 @@ class FloorMemory:
         angles = (bearings[known][:, None] + spread).ravel()
         depth = np.repeat(depths[known], _RAYS)
         far = depth / np.cos(angles)
-        free_to = np.minimum(far * memory.free_share - self._cell, memory.range_m)
+        # An edge lies anywhere within a column, so a column is free no farther than those beside it.
+        unhidden = np.repeat(_least_beside(depths)[known], _RAYS) / np.cos(angles)
+        free_to = np.minimum(unhidden * memory.free_share - self._cell, memory.range_m)
         steps = np.arange(self._cell / 2.0, memory.range_m, self._cell)
         at = np.broadcast_to(steps, (len(angles), len(steps)))
         inside = at < free_to[:, None]
@@ -144,6 +146,12 @@ class FloorMemory:
 
     def _index(self, places: Floats) -> Ints:
         return np.floor(places / self._cell).astype(np.int64)
+
+
+def _least_beside(depths: Floats) -> Floats:
+    """Return the least depth of each column and those beside it, m; those that are not known do not count."""
+    padded = np.pad(np.where(np.isnan(depths), np.inf, depths), 1, constant_values=np.inf)
+    return np.asarray(np.minimum(np.minimum(padded[:-2], padded[2:]), padded[1:-1]))
 
 
 def _wrapped(cells: Ints) -> tuple[Ints, Ints]:

@@ -106,6 +106,17 @@ class FilmSettings:
 
 
 @dataclass(frozen=True, slots=True)
+class FlowPageSettings:
+    """The live page."""
+
+    host: str
+    rate: float
+    watched_s: float
+    wait_s: float
+    old_s: float
+
+
+@dataclass(frozen=True, slots=True)
 class FlowSettings:
     """All settings; each is described in `settings.toml`."""
 
@@ -118,6 +129,7 @@ class FlowSettings:
     coverage: CoverageSettings
     safety: FlowSafety
     film: FilmSettings
+    page: FlowPageSettings
 
     @classmethod
     def load(cls, file: str | Path | None = None) -> "FlowSettings":

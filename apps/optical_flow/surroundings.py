@@ -11,9 +11,11 @@ from geometry import Pose2D
 
 _STEP = 0.25  # s along a curve
 _TURN_STEP = np.radians(6.0)
-_TURN_GAP = 0.05  # m between the hull and an obstacle while it turns on the spot
+_TURN_GAP = 0.07  # m between the hull and an obstacle while it turns on the spot
 _NEXT = 0.45  # m before the hull that the camera does not see beside its middle, so that it must have been seen before
 _UNSEEN = 4.0  # cells at the hull that make a curve as risky as one can be
+_NEARER, _LEAST = 0.02, 0.05  # m by which what is within the margin may come nearer, and how near at most
+_ROUNDING = 0.001  # m
 _BESIDE = 0.5  # m before the axle to which obstacles count as beside the robot
 
 
@@ -46,7 +48,8 @@ class FlowSurroundings:
         points = memory.obstacles(pose)
         half = robot.width_m / 2.0 + settings.drive.side_gap_m
         x, y = points[:, 0], points[:, 1]
-        lane = (np.abs(y) < half) & (x > 0.0)
+        # What is beside the hull, within the margin, is not ahead.
+        lane = (x > 0.0) & (np.abs(y) < np.where(x > robot.front_m, half, robot.width_m / 2.0))
         beside = (x > -robot.rear_m) & (x < _BESIDE)
         left, right = y[beside & (y > 0.0)], -y[beside & (y <= 0.0)]
         steps = np.arange(cell / 2.0, reach, cell)
@@ -91,14 +94,15 @@ class FlowSurroundings:
         ahead, aside = _seen_from(x, y, headings, near)
         front = np.where(times < times[-1], robot.front_m, robot.front_m + drive.front_gap_m)[None, :, None]
         struck = (ahead > -robot.rear_m) & (ahead < front) & (np.abs(aside) < robot.width_m / 2.0 + drive.side_gap_m)
-        # What touches the margin already must not hold the robot: it only must not come nearer.
-        now = (self._beside(near, settings))[None, None, :]
-        free: np.ndarray = ~(struck & ~now).any(axis=(1, 2))
-        return free
+        # What is within the margin already must not hold the robot: it only must not come nearer.
+        now, gap = self._beside(near, settings), _gap(near[:, 0], near[:, 1], settings)
+        least = np.minimum(gap, np.maximum(gap - _NEARER, _LEAST))
+        struck &= ~now[None, None, :] | (_gap(ahead, aside, settings) < least - _ROUNDING)
+        return np.asarray(~struck.any(axis=(1, 2)))
 
     def risks(self, turns: Floats, settings: FlowSettings) -> Floats:
         """Return for each turn rate, rad/s, how much unseen floor the hull comes near to, 0 to 1, at slow speed."""
-        robot, drive = settings.robot, settings.drive
+        drive = settings.drive
         if not len(self.unseen):
             return np.zeros(len(turns))
         times = np.arange(_STEP, drive.horizon_s + 1e-9, 3.0 * _STEP)
@@ -106,8 +110,7 @@ class FlowSurroundings:
         chord = drive.slow_m_s * times[None, :] * np.sinc(headings / 2.0 / np.pi)
         x, y = chord * np.cos(headings / 2.0), chord * np.sin(headings / 2.0)
         ahead, aside = _seen_from(x, y, headings, self.unseen)
-        beyond = np.maximum(np.maximum(ahead - robot.front_m, -robot.rear_m - ahead), 0.0)
-        away = np.hypot(beyond, np.maximum(np.abs(aside) - robot.width_m / 2.0, 0.0))
+        away = _gap(ahead, aside, settings)
         near = np.maximum(1.0 - away.min(axis=1) / drive.side_gap_m, 0.0)
         return np.asarray(np.minimum(near.sum(axis=1) / _UNSEEN, 1.0))
 
@@ -135,6 +138,13 @@ class FlowSurroundings:
         x, y = points[:, 0], points[:, 1]
         inside = (x > -robot.rear_m) & (x < robot.front_m) & (np.abs(y) < robot.width_m / 2.0 + gap)
         return np.asarray(inside)
+
+
+def _gap(ahead: Floats, aside: Floats, settings: FlowSettings) -> Floats:
+    """Return the distance of places from the hull, m."""
+    robot = settings.robot
+    beyond = np.maximum(np.maximum(ahead - robot.front_m, -robot.rear_m - ahead), 0.0)
+    return np.asarray(np.hypot(beyond, np.maximum(np.abs(aside) - robot.width_m / 2.0, 0.0)))
 
 
 def _clear(points: Floats, bearings: Floats, radius: float, reach: float) -> Floats:

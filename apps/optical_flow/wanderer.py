@@ -21,6 +21,7 @@ _CHECK_TURN, _CHECK_TIME = 0.3, 0.7  # rad/s and s of the turn that shows whethe
 _TURNS = (0.4, -0.4, 0.8, -0.8, 1.2, -1.2)  # rad, tried where there is no room for the best turn
 _BACKING = 0.1  # m/s, also away from what touches the rear
 _PUSHING = 1.5  # s of contact after which the robot tries the other way
+_APART = 0.5  # s without contact after which a touch is another one
 _STANDING = 2.0  # s without room for any motion, after which the robot doubts what it remembers next to it
 
 
@@ -66,6 +67,7 @@ class Wanderer:
         self._unknown_way = 0.0  # m driven where nothing is known
         self._ordered = REST
         self._touched_at = -math.inf  # s, when it last began to move away from a contact
+        self._touched_until = -math.inf  # s, of the latest contact
         self._stands_since = math.inf  # s, since when it has had no room
 
     def step(self, readings: FlowReadings) -> WanderOrders:
@@ -91,8 +93,11 @@ class Wanderer:
     def _stop_reason(self, readings: FlowReadings) -> Twist2D | None:
         """Return the orders where the situation is none of the surroundings."""
         safety = self.settings.safety
-        if readings.touches and readings.time - self._touched_at > _PUSHING:
-            self._leave(readings)
+        if readings.touches:
+            self.contacts += readings.time - self._touched_until > _APART
+            self._touched_until = readings.time
+            if readings.time - self._touched_at > _PUSHING:
+                self._leave(readings)
         silence = readings.time - self._sight.image_at
         if readings.trouble:
             return self._blind(readings.trouble)
@@ -119,7 +124,6 @@ class Wanderer:
             self.memory.block(readings.pose.compose(corner), -robot.rear_m, 0.1)
         else:
             self.memory.block(readings.pose, -robot.rear_m - 0.05, robot.width_m)
-        self.contacts += 1
         self._touched_at = readings.time
         where, way = ("rear", "drives forward") if is_rear else ("front", "backs off")
         distance = self.settings.safety.back_m
@@ -233,7 +237,6 @@ class Wanderer:
                 if not free:
                     return self._squeezed(around, readings)
                 bearing = max(free, key=lambda each: _at(around, around.clear, each))
-        self._stands_since = math.inf
         self._turn_to(bearing, readings)
         return REST
 
@@ -266,6 +269,7 @@ class Wanderer:
 
     def _begin(self, mode: _WanderMode, readings: FlowReadings, until: float) -> None:
         self._mode, self._mode_until, self._mode_from = mode, until, readings.pose
+        self._stands_since = math.inf
 
 
 def _has_changed(before: SituationJudgement, now: SituationJudgement) -> bool:

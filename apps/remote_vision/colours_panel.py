@@ -6,8 +6,8 @@ from nicegui import ui
 from nicegui.events import GenericEventArguments, UploadEventArguments
 
 from apps.remote_vision.program import RemoteVision
-from apps.remote_vision.viewer import ImageViewer
 from apps.remote_vision.viewing import COLOURS, Viewing
+from apps.web.viewer import ImageViewer
 
 _CHANNELS = 32
 _LARGEST_FILE = 200_000  # bytes of a file of colours; a message carries 256 KiB

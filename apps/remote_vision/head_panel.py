@@ -16,8 +16,8 @@ from apps.remote_vision.aiming import (
     zoomed,
 )
 from apps.remote_vision.program import RemoteVision
-from apps.remote_vision.viewer import ImageViewer
 from apps.remote_vision.viewing import Viewing
+from apps.web.viewer import ImageViewer
 
 if TYPE_CHECKING:  # it loads OpenCV
     from vision.camera_model import PinholeModel

@@ -7,8 +7,8 @@ from nicegui.elements.mixins.value_element import ValueElement
 
 from apps.remote_vision.operations import EntryNotValid, chain_of, expected, initial_value
 from apps.remote_vision.program import RemoteVision
-from apps.remote_vision.viewer import ImageViewer
 from apps.remote_vision.viewing import VISION, Viewing
+from apps.web.viewer import ImageViewer
 
 _NONE = ""
 

@@ -1,7 +1,6 @@
 """The page: the image of a camera, a result beside it, and the panels of head, operations and colours."""
 
 import time
-from pathlib import Path
 
 from nicegui import ui
 
@@ -10,12 +9,12 @@ from apps.remote_vision.colours_panel import ColoursPanel
 from apps.remote_vision.head_panel import HeadPanel
 from apps.remote_vision.operations_panel import OperationsPanel
 from apps.remote_vision.program import RemoteVision
-from apps.remote_vision.viewer import ImageViewer
 from apps.remote_vision.viewing import COLOURS, MOTION, ORIGINAL, RESULT, Viewing
+from apps.web.viewer import STYLE, ImageViewer
 
 _REFRESH = 0.3  # s between two looks at what has changed
 _ASK = 1.0  # s between two looks whether agents are to be asked; asking takes long if one does not answer
-_STYLE = Path(__file__).with_name("page.css")
+_PROGRAM = "acromovi remote-vision"
 
 
 def build_page(program: RemoteVision, robot: str) -> None:
@@ -31,7 +30,7 @@ def build_page(program: RemoteVision, robot: str) -> None:
         client = ui.context.client
         viewing = program.begin_viewing(robot, client.ip or "?")
         client.on_delete(lambda: program.end_viewing(viewing))
-        ui.add_css(_STYLE)
+        ui.add_css(STYLE)
         ui.colors(primary="#1a5fb4")
         VisionPage(program, viewing)
 
@@ -52,7 +51,9 @@ class VisionPage:
             self._state = ui.label().classes("rv-state").props('role="status"')
         with ui.element("main").classes("rv-main"):
             with ui.element("section").classes("rv-column"):
-                self._original = ImageViewer(f"/images/{viewing.ticket}/{ORIGINAL}", viewing.robot, old, "steer")
+                self._original = ImageViewer(
+                    f"/images/{viewing.ticket}/{ORIGINAL}", viewing.robot, old, _PROGRAM, "steer"
+                )
                 with ui.row().classes("rv-row"):
                     ui.button("Save image", on_click=lambda: self._save(ORIGINAL)).props("outline dense no-caps")
                     self._overlays = {
@@ -61,7 +62,7 @@ class VisionPage:
                     }
                 self._head = HeadPanel(program, viewing, self._original)
             with ui.element("section").classes("rv-column"):
-                self._result = ImageViewer(f"/images/{viewing.ticket}/{RESULT}", "no operation", old)
+                self._result = ImageViewer(f"/images/{viewing.ticket}/{RESULT}", "no operation", old, _PROGRAM)
                 with ui.row().classes("rv-row"):
                     ui.button("Save result", on_click=lambda: self._save(RESULT)).props("outline dense no-caps")
                 self._operations = OperationsPanel(program, viewing, self._result)

@@ -1,14 +1,10 @@
 """Images to browsers over websockets.
 
-The browser requests each image after it has drawn the one before, and gets the newest one there is. So at most one
-image is on its way to each viewer, the delay does not grow however slow the line is, and a viewer that reads nothing
-holds up no other. A reply is 4 bytes with the length of a JSON object (big-endian), the object, and the file of the
-image, as it came from the camera; without a new image it has no file.
+The browser requests each image after it has drawn the one before (`apps/web/viewer.py`), and gets the newest one
+there is, as it came from the camera.
 """
 
 import asyncio
-import json
-import struct
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from typing import Any
@@ -19,8 +15,8 @@ from agents.platform import AgentName
 from apps.remote_vision.settings import ImageTimes
 from apps.remote_vision.streams import NewestItem, SharedStreams, StreamItem
 from apps.remote_vision.viewing import ORIGINAL, RESULT, VISION, Viewing, boxes
+from apps.web.viewer import image_reply
 
-LENGTH = struct.Struct(">I")
 UNKNOWN_TICKET = 4404
 """Code with which a websocket is closed whose page this program does not know."""
 
@@ -76,9 +72,7 @@ class ImageTransport:
                     if place == ORIGINAL:
                         viewing.seen_at = asyncio.get_running_loop().time()
                     head, item, sent = await self._reply(viewing, place, following(), sent)
-                    data = json.dumps(head).encode()
-                    image = item.image if item is not None else b""
-                    await socket.send_bytes(b"".join((LENGTH.pack(len(data)), data, image)))
+                    await socket.send_bytes(image_reply(head, item.image if item is not None else b""))
             except (WebSocketDisconnect, RuntimeError):  # RuntimeError: it has been closed while an image was awaited
                 return
             finally:

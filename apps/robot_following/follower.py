@@ -12,7 +12,7 @@ from apps.robot_following.curve import BezierCurve
 from apps.robot_following.gaze import pan_to, sweep, swing_time
 from apps.robot_following.leader import LeaderState, LeaderTrack, Sighting
 from apps.robot_following.settings import FollowingSettings
-from geometry import Point, Pose2D, Twist2D, wrap_angle
+from geometry import Point, Pose2D, Twist2D, integrate, wrap_angle
 
 STAND = Twist2D(0.0, 0.0)
 _SAMPLES = 13  # places of a curve that are compared with obstacles
@@ -68,7 +68,8 @@ class SightFollower:
         self._trail: deque[Pose2D] = deque(maxlen=_TRAIL)
         self._seen_at = -inf
         self._began_at: float | None = None
-        self._bearing = self._side = 0.0
+        self._aim = self._side = 0.0  # rad; where the camera looks for the target, and to which side the leader turned
+        self._twist = STAND
         self._speed = 0.0
         self._has_arrived = False
         self._stepped_at: float | None = None
@@ -102,7 +103,7 @@ class SightFollower:
                 leader.
         """
         step = self._step(now, pose, obstacles, is_blind)
-        self.state = step.state
+        self.state, self._twist = step.state, step.twist
         return step
 
     def _step(self, now: float, pose: Pose2D, obstacles: Sequence[Point], is_blind: bool) -> FollowingStep:
@@ -119,8 +120,11 @@ class SightFollower:
             if is_blind:
                 return self._look_about(unseen, FollowerState.SEARCHING)
             last = self._track.at(self._seen_at + self._settings.search.coast).pose
+            if unseen <= self._settings.search.sweep_after:  # it stops, so the lead was too much
+                self._aim = self._aim_at(last, pose)
             return self._search(unseen, pose, last, obstacles)
-        self._bearing = pose.bearing_to(leader.pose.x, leader.pose.y)
+        lead = self._settings.search.pan_lead
+        self._aim = self._aim_at(self._track.at(now + lead).pose, integrate(pose, self._twist, lead))
         self._side = wrap_angle(leader.pose.heading - pose.heading)
         self._has_arrived = False
         self._keep_trail(pose, leader.pose)
@@ -133,9 +137,9 @@ class SightFollower:
             return FollowingStep(FollowerState.GIVEN_UP, STAND, 0.0)
         since = unseen - search.sweep_after
         pan = (
-            sweep(since, self._bearing, self._side, search, self._pan_reach)
+            sweep(since, self._aim, self._side, search, self._pan_reach)
             if since > 0.0
-            else pan_to(self._bearing, self._pan_reach)
+            else pan_to(self._aim, self._pan_reach)
         )
         return FollowingStep(state, STAND, pan)
 
@@ -168,7 +172,8 @@ class SightFollower:
         drive = self._settings.drive
         curve, room, rest = self._best_curve(pose, leader.pose, obstacles)
         gap = curve.length + rest
-        pan = pan_to(self._bearing, self._pan_reach)
+        pan = pan_to(self._aim, self._pan_reach)
+        bearing = pose.bearing_to(leader.pose.x, leader.pose.y)
         straight = hypot(leader.pose.x - pose.x, leader.pose.y - pose.y)
         wanted = self._wanted_speed(leader, gap, straight)
         free = sqrt(2.0 * drive.braking * room) if room > 0.0 else 0.0
@@ -178,9 +183,14 @@ class SightFollower:
         if wanted > 0.0 and free < min(wanted, drive.resting):
             state = FollowerState.HELD
         if wanted <= 0.0 and self._speed == 0.0:
-            turn = 0.0 if abs(self._bearing) < drive.face else max(-drive.turn, min(drive.turn, self._bearing))
+            turn = 0.0 if abs(bearing) < drive.face else max(-drive.turn, min(drive.turn, bearing))
             return FollowingStep(FollowerState.STANDING, Twist2D(0.0, turn), pan, curve, leader, gap)
         return FollowingStep(state, Twist2D(self._speed, self._turn(curve, pose)), pan, curve, leader, gap)
+
+    def _aim_at(self, leader: Pose2D, pose: Pose2D) -> float:
+        """Return the bearing of the leader's target from the camera of the robot at a pose, rad."""
+        camera = pose.compose(Pose2D(self._settings.camera.forward))
+        return camera.bearing_to(*leader.transform(-self._settings.leader.carried, 0.0))
 
     def _wanted_speed(self, leader: LeaderState, gap: float, straight: float) -> float:
         """Return the speed that keeps the gap, m/s; 0 where the leader stands near enough."""

@@ -59,6 +59,7 @@ class SearchSettings:
     pan_step: float
     pan_period: float
     pan_repeat: float
+    pan_lead: float
     speed: float
     turn: float
     give_up: float

@@ -19,7 +19,7 @@ def test_a_port_in_use_is_told(capsys: pytest.CaptureFixture[str]) -> None:
         assert main(["remote-vision", "happy", "--port", port, "--bus", private_bus()]) == 1
     error = capsys.readouterr().err
     assert f"the page cannot be served on 127.0.0.1:{port}" in error
-    assert "choose another --port" in error
+    assert "choose another port or host" in error
 
 
 @pytest.mark.parametrize(("port", "why"), [("web", "web is not a TCP port"), ("70000", "70000 is not a TCP port")])

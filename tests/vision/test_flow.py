@@ -40,6 +40,17 @@ def test_flow_of_a_shift_is_the_shift(still: Pixels, by: tuple[float, float]) ->
     assert np.allclose(np.median(sparse, axis=0), by, atol=0.1)
 
 
+def test_flow_of_two_surfaces_changes_at_their_edge() -> None:
+    rng = np.random.default_rng(1)
+    noise = (cv2.GaussianBlur(rng.integers(0, 256, (120, 160), np.uint8), (0, 0), 1.5) for _ in range(2))
+    near, far = (np.asarray(cv2.equalizeHist(each), np.uint8) for each in noise)
+    before, after = far.copy(), far.copy()
+    before[:, :80], after[:, :77] = near[:, 10:90], near[:, 13:90]  # the left half moves by 3 px
+    flow = np.asarray(dense_flow(before, after)[20:100, :, 0])
+    assert np.abs(flow[:, 40:74] + 3.0).mean() < 0.1
+    assert np.abs(flow[:, 86:120]).mean() < 0.05
+
+
 def test_sparse_flow_follows_given_points_and_an_empty_image_has_none(still: Pixels) -> None:
     points, moved = sparse_flow(still, shifted(still, 2, 0), np.array([[80.0, 60.0]]))
     assert np.allclose(points + moved, [[82.0, 60.0]], atol=0.2)

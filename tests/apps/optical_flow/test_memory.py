@@ -1,5 +1,7 @@
 """What the robot remembers, and the distances and situations that follow from it."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from apps.optical_flow.memory import FloorMemory
@@ -114,3 +116,25 @@ def test_floor_that_was_visited_is_worth_less_until_it_is_old() -> None:
     place = np.array([[0.0, 0.0], [2.0, 0.0]])
     assert memory.newness(HERE, place, 10.0).tolist() == [0.0, 1.0]
     assert memory.newness(HERE, place, 10.0 + SETTINGS.coverage.fade_s)[0] == 1.0
+
+
+def test_a_column_beside_one_that_is_nearer_is_not_free() -> None:
+    depths = flat(np.inf)
+    depths[:6] = 1.0  # at the left
+    memory = FloorMemory(replace(SETTINGS, memory=replace(SETTINGS.memory, cell_m=0.02)))  # finer than a column
+    memory.see(Pose2D(), BEARINGS, depths, HALF)
+    away = np.arange(1.2, 2.1, 0.05)
+    for at, is_free in ((BEARINGS[6], False), (BEARINGS[7], True)):
+        known = memory.are_known(Pose2D(), np.stack((away * np.cos(at), away * np.sin(at)), axis=1))
+        assert known.all() if is_free else not known.any()
+
+
+def test_the_rear_does_not_swing_into_what_is_beside_the_hull_already() -> None:
+    hull, speed = SETTINGS.robot, SETTINGS.drive.speed_m_s
+    wall = np.array([(x, hull.width_m / 2.0 + 0.06) for x in np.arange(-0.25, 0.2, 0.05)])
+    around = replace(remembered(flat(np.inf)), points=wall)
+    left, straight, slightly_right, right = around.free_curves(speed, np.array([0.3, 0.0, -0.05, -0.3]), SETTINGS)
+    assert not left  # into the wall
+    assert straight
+    assert slightly_right
+    assert not right  # the rear corner at the left would strike it

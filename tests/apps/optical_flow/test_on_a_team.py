@@ -111,6 +111,7 @@ def test_as_an_agent_it_answers_requests_and_the_robot_stops_when_it_freezes(tea
         (["robot=lisa"], "lisa has no camera; it has "),
         (["robot=brat"], "there is no robot 'brat'; did you mean 'bart'?"),
         (["robot=bart", "speed=1"], "does not take 'speed'"),
+        (["robot=bart", "page=70000"], "page=70000 is not a TCP port; give a number from 0 to 65535"),
     ],
 )
 def test_bad_input_is_one_sentence(

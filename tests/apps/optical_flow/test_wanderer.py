@@ -141,6 +141,7 @@ def test_it_does_not_go_on_backing_against_a_contact_that_does_not_end() -> None
     assert robot.orders[-1].twist.linear < 0.0
     robot.run(1.0)
     assert robot.orders[-1].twist.linear >= 0.0
+    assert robot.wanderer.contacts == 1
 
 
 def test_shut_in_by_what_it_remembers_it_does_not_stand_for_ever() -> None:

@@ -17,8 +17,8 @@ from agents.components.vision.vision_agent import VisionAgent
 from agents.platform import Agent, Container
 from apps.remote_vision.program import RemoteVision
 from apps.remote_vision.settings import RemoteVisionSettings
-from apps.remote_vision.transport import LENGTH
 from apps.remote_vision.viewing import ORIGINAL, RESULT, Viewing
+from apps.web.viewer import LENGTH
 from bus import MemoryBus
 from tests.cameras.ip_camera import HEAD, IpCamera, part
 from tests.waiting import waiting

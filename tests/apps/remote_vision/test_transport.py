@@ -11,8 +11,9 @@ from starlette.websockets import WebSocketDisconnect
 
 from apps.remote_vision.settings import ImageTimes
 from apps.remote_vision.streams import SharedStreams, read_item
-from apps.remote_vision.transport import LENGTH, UNKNOWN_TICKET, ImageTransport
+from apps.remote_vision.transport import UNKNOWN_TICKET, ImageTransport
 from apps.remote_vision.viewing import COLOURS, ORIGINAL, RESULT, Viewing, boxes, image_words
+from apps.web.viewer import LENGTH
 from bus import CDR, JSON, MemoryBus, Sample, keys, messages
 from tests.waiting import waiting
 

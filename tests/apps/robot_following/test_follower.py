@@ -1,13 +1,14 @@
 """The follower behind a leader that moves by equations."""
 
 from dataclasses import replace
-from math import hypot, inf, pi
+from math import atan2, cos, hypot, inf, pi, sin
 from random import Random
 
 import numpy as np
 import pytest
 
-from apps.robot_following.follower import FollowerState
+from apps.robot_following.follower import FollowerState, SightFollower
+from apps.robot_following.leader import Sighting
 from apps.robot_following.settings import load_settings
 from geometry import Point, Pose2D
 from tests.apps.robot_following.stage import LEG, Stage
@@ -151,3 +152,18 @@ def test_speeds_are_never_above_the_limits(seed: int) -> None:
     assert fastest <= SETTINGS.drive.speed
     assert turns <= SETTINGS.drive.turn
     assert all(step.twist.linear >= 0.0 for step in stage.steps)
+
+
+def test_the_camera_looks_at_the_target_and_where_it_will_be_when_the_head_is_there() -> None:
+    leader, known = Pose2D(0.9, 0.6, 0.7), SETTINGS.leader
+    x = leader.x - known.carried * cos(leader.heading) - SETTINGS.camera.forward
+    bearing = atan2(leader.y - known.carried * sin(leader.heading), x)
+    follower = SightFollower(SETTINGS, 1.5)
+    follower.see(Sighting(leader, 0.01, 0.05), 0.0)
+    step = follower.step(0.0, Pose2D(), ())
+    assert (step.state, step.twist.linear) == (FollowerState.STANDING, 0.0)
+    assert step.pan == pytest.approx(bearing)
+    assert step.twist.angular > 0.5
+    turned = step.twist.angular * SETTINGS.search.pan_lead
+    # The camera is before the middle about which the robot turns, so the bearing changes by a little less.
+    assert follower.step(0.05, Pose2D(), ()).pan == pytest.approx(bearing - turned, abs=0.04)

@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from apps.remote_vision.origin import LOOPBACK, SameOrigin, refusal_of, served_names
+from apps.web.origin import LOOPBACK, SameOrigin, refusal_of, served_names
 
 ELSEWHERE = frozenset((*LOOPBACK, "lab.example"))
 

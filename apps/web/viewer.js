@@ -18,7 +18,7 @@ export default {
       </div>
       <div class="rv-words" v-show="words" aria-live="polite">{{ words }}</div>
     </div>`,
-  props: { path: String, label: String, old: Number, mode: String },
+  props: { path: String, label: String, old: Number, program: String, mode: String },
   data() {
     return { ageText: "no image yet", isOld: false, words: "" };
   },
@@ -42,7 +42,7 @@ export default {
       this.socket.onopen = () => this.ask();
       this.socket.onmessage = (event) => this.take(event.data);
       this.socket.onclose = () => {
-        this.words = "the connection to acromovi remote-vision is lost; trying again";
+        this.words = `the connection to ${this.program} is lost; trying again`;
         setTimeout(() => this.connect(), RETRY_MS);
       };
     },
