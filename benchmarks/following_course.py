@@ -205,7 +205,7 @@ class _FollowingRobot(Closeable):
     def __init__(self, lockstep: Lockstep, name: str, settings: FollowingSettings, pan_reach: float) -> None:
         self.name = name
         self.track = FollowingTrack()
-        self.cycle = FollowingCycle(settings, lockstep.view(name).field_of_view, pan_reach)
+        self.cycle = FollowingCycle(settings, {"field_of_view": lockstep.view(name).field_of_view}, pan_reach)
         self._bus = lockstep.bus()
         self._ranges: list[Point] = []
         self._picture: tuple[float, bytes] | None = None

@@ -1,8 +1,9 @@
 """The cycle of one follower: pictures, odometry, head and ranges in, velocity and direction of the camera out."""
 
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from math import hypot, inf
+from typing import Any
 
 from apps.robot_following.follower import FollowingStep, SightFollower
 from apps.robot_following.gaze import HeadCommands
@@ -10,7 +11,7 @@ from apps.robot_following.history import StampedPoses
 from apps.robot_following.settings import FollowingSettings
 from apps.robot_following.sight import LeaderSight, shipped_colours
 from geometry import Point, Pose2D, Twist2D, wrap_angle
-from vision.camera_model import PinholeModel
+from vision.camera_model import camera_model
 from vision.colours import ColourTable
 from vision.image import Image, VisionError
 
@@ -30,7 +31,7 @@ class FollowingCycle:
     def __init__(
         self,
         settings: FollowingSettings,
-        field_of_view: float,
+        lens: Mapping[str, Any],
         pan_reach: float = 0.0,
         colours: ColourTable | None = None,
     ) -> None:
@@ -38,7 +39,7 @@ class FollowingCycle:
 
         Args:
             settings: Of the application.
-            field_of_view: Of the camera, horizontal, rad.
+            lens: Of the camera: its `model`, or its horizontal `field_of_view` in rad, as `camera_model` takes them.
             pan_reach: How far the camera's head goes to either side, rad; 0 without one.
             colours: Of the target in channels 1 to 3; None for those of the targets that emulated robots carry.
         Raises:
@@ -48,7 +49,7 @@ class FollowingCycle:
         self.follower = SightFollower(settings, pan_reach)
         self.words = "no picture has come"
         self.found_at: float | None = None
-        self._field_of_view = field_of_view
+        self._lens = lens
         self._colours = colours or shipped_colours()
         self._robot, self._camera = StampedPoses(settings.silent), StampedPoses(settings.camera.head_silent)
         self._head = HeadCommands(settings.search) if pan_reach > 0.0 else None
@@ -150,6 +151,7 @@ class FollowingCycle:
     def _sight_for(self, width: int, height: int) -> LeaderSight:
         """Return what finds the leader in pictures of a size, px."""
         if self._sight is None or self._size != (width, height):
-            camera = PinholeModel.from_field_of_view(width, height, self._field_of_view)
+            camera = camera_model(self._lens, width, height)
+            assert camera is not None, "a lens has a model or a field of view"
             self._sight, self._size = LeaderSight(self.settings.leader, camera, self._colours), (width, height)
         return self._sight

@@ -10,6 +10,7 @@ from typing import Any
 
 from agents import Robot, RobotError
 from apps.background import BackgroundRequests
+from apps.remote_vision.aiming import view_of
 from apps.robot_following.cycle import FollowingCycle
 from apps.robot_following.follower import FollowerState, FollowingStep
 from apps.robot_following.ranges import laser_points, sonar_points
@@ -62,8 +63,8 @@ class FollowingRobot:
         self._requests, self._settings = requests, settings
         robot.element("base")
         self._has_head = robot.has("ptz")
-        reach, view = _pan_reach(robot) if self._has_head else 0.0, _field_of_view(robot, settings)
-        self.cycle = FollowingCycle(settings, view, reach, colours)
+        reach, lens = _pan_reach(robot) if self._has_head else 0.0, _lens(robot, settings)
+        self.cycle = FollowingCycle(settings, lens, reach, colours)
         self._ranger = next((each for each in ("laser", "sonar") if robot.has(each)), "")
         self._kinds = {
             element: _Reading(element, request, take, period)
@@ -212,20 +213,19 @@ def _pan_reach(robot: Robot) -> float:
     return float(min(-low, high))
 
 
-def _field_of_view(robot: Robot, settings: FollowingSettings) -> float:
-    """Return the horizontal field of view of the camera, rad.
+def _lens(robot: Robot, settings: FollowingSettings) -> dict[str, Any]:
+    """Return the field of view of the camera, rad, by the settings, or what the robot's description has of its lens.
 
     Raises:
-        RobotError: It is neither in the settings nor in the robot's description.
+        RobotError: Neither has anything.
     """
-    given: list[Any] = [settings.camera.field_of_view]
-    for element in ("camera", "ptz"):
-        if robot.has(element):
-            given.append(robot.element(element).properties.get("field_of_view"))
-    view = next((each for each in given if each), None)
-    if view is None:
+    if settings.camera.field_of_view:
+        return {"field_of_view": settings.camera.field_of_view}
+    camera, head = (robot.element(each).properties if robot.has(each) else {} for each in ("camera", "ptz"))
+    lens = view_of(camera, head)
+    if not lens:
         raise RobotError(
             f"the field of view of the camera of {robot.name} is not known; give it in rad as camera.field_of_view in "
-            f"the settings"
+            f"the settings, or calibrate the camera"
         )
-    return float(view)
+    return lens
