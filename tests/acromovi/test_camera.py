@@ -7,8 +7,10 @@ import cv2
 import numpy as np
 import pytest
 
+import agents
 import cameras
 from acromovi.__main__ import main
+from agents.client.sensors import Picture
 from cameras import CameraLost
 from configs.team_file import read_team
 from tests.acromovi.team.private_bus import private_bus
@@ -37,7 +39,7 @@ def test_images_become_a_calibration_in_the_team_file(views: Path, capsys: pytes
     team = views.parent / "mine.toml"
     assert calibrate(views / "*.png", "--into", team, "doc/camera") == 0
     shown = capsys.readouterr()
-    assert "9 images of 480 x 360 px, error 0." in shown.out
+    assert "9 images of 320 x 240 px, error 0." in shown.out
     assert "1 images not used" in shown.out
     assert f"written into {team} for doc" in shown.out
     assert "wall.png does not show the whole board of 9 x 6 inner corners" in shown.err
@@ -92,6 +94,45 @@ def test_a_live_camera_is_used_until_the_views_suffice(
     assert told[1].startswith("1 views; missing: 5 more views, near the left edge")
     assert told[-1].endswith("views, which suffice")
     assert json.loads(shown.out)["fx"] == pytest.approx(FX, rel=0.02)
+
+
+class _Team:
+    """A team whose robot doc shows each picture for a while: who asks too early gets the same again."""
+
+    def __init__(self, bus: str) -> None:
+        assert bus == "local:test"
+        self.camera, self.asked, self._eye = self, 0, _Camera("http://eye/video")
+        self._data = b""
+
+    def __enter__(self) -> "_Team":
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        """Nothing is held."""
+
+    def robot(self, name: str, having: str) -> "_Team":
+        assert (name, having) == ("doc", "camera")
+        return self
+
+    def picture(self) -> Picture:
+        self.asked += 1
+        if self.asked % 2:
+            self._data = self._eye.read()
+        return Picture(format="jpeg", width=WIDTH, height=HEIGHT, data=self._data, stamp=float((self.asked + 1) // 2))
+
+    def sleep(self, seconds: float) -> None:
+        assert self.asked % 2 == 0
+
+
+@pytest.mark.parametrize("source", ["doc", "doc/camera"])
+def test_the_live_camera_of_a_robot_is_used_picture_by_picture(
+    source: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(agents, "Team", _Team)
+    assert calibrate(source, "--views", 6, "--json", "--quiet", "--bus", "local:test") == 0
+    told = json.loads(capsys.readouterr().out)
+    assert told["fx"] == pytest.approx(FX, rel=0.02)
+    assert told["used"][0] == "image 2"
 
 
 def test_a_live_camera_that_is_lost_too_early_is_told(

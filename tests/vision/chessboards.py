@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 Pixels = NDArray[np.uint8]
-WIDTH, HEIGHT = 480, 360
-FX, FY, CX, CY = 410.0, 405.0, 244.0, 176.0
+WIDTH, HEIGHT = 320, 240
+FX, FY, CX, CY = 273.0, 270.0, 162.5, 117.2
 K1, K2, P1, P2 = -0.25, 0.08, 0.001, -0.0015
 COLUMNS, ROWS, SQUARE = 9, 6, 0.025
 FINE = 3  # pixels of the drawing for one of the image, each way

@@ -109,7 +109,7 @@ def test_views_that_determine_nothing_are_refused_in_words() -> None:
 def test_images_of_different_sizes_are_refused_by_their_names() -> None:
     views = CalibrationViews(BOARD)
     views.add("a.png", chessboards()[0])
-    with pytest.raises(VisionError, match=r"a.png has 480 x 360 px and b.png has 160 x 120"):
+    with pytest.raises(VisionError, match=r"a.png has 320 x 240 px and b.png has 160 x 120"):
         views.add("b.png", np.zeros((120, 160), np.uint8))
 
 
@@ -117,7 +117,7 @@ def test_a_board_that_is_bent_is_refused() -> None:
     bent = []
     rows, columns = np.mgrid[:HEIGHT, :WIDTH].astype(np.float32)
     for number, image in enumerate(chessboards()):
-        wave = (5.0 * np.sin(columns / 40.0 + number)).astype(np.float32)
+        wave = (6.0 * np.sin(columns / 40.0 + number)).astype(np.float32)
         bent.append(np.asarray(cv2.remap(image, columns, rows + wave, cv2.INTER_LINEAR, borderValue=120), np.uint8))
     with pytest.raises(VisionError, match=r"px from where a camera would have them.*flat board"):
         calibrated(bent)
