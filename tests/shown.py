@@ -30,6 +30,9 @@ ELSEWHERE = {
     "acromovi ask colours@happy serve_acts port=5001": "tests/agents/components/vision, with other ports",
     "acromovi run formation leader=happy followers=doc,grumpy shape=triangle starts=my-team.toml": FORMATION,
     "acromovi promote formation leader=happy followers=doc,grumpy starts=my-team.toml": FORMATION,
+    "acromovi run formation leader=happy followers=doc,grumpy poses=sight": (
+        "tests/apps/formation/test_sight_on_a_team.py, with two robots"
+    ),
     "acromovi ask formation@apps shape shape=line": FORMATION,
     "acromovi ask formation@apps status": FORMATION,
     "acromovi camera calibrate doc --board 9x6 --into my-team.toml doc": _CALIBRATED,
