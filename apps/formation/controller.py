@@ -62,7 +62,7 @@ class Formation:
         self.leader = leader
         self.settings = settings
         self._by_sight = by_sight
-        self._blur = settings.sight.blur_m if by_sight else 0.0  # by which an echo of a robot can be off its place
+        self._blur = settings.sight.blur_m if by_sight else 0.0  # by which its echo can be off its place
         self._unheard = "is not seen" if by_sight else "is silent"
         self.members = Membership(followers, settings, "does not see the leader" if by_sight else self._unheard)
         self.is_narrow = False
@@ -268,7 +268,7 @@ class Formation:
             robot.pose.locate(x, y)
             for x, y in (states[name].pose.transform(*echo.point) for echo in states[name].echoes)
             if all(
-                math.hypot(x - state.pose.x, y - state.pose.y) > self.settings.radius(other) + 0.2 + self._blur
+                math.hypot(x - state.pose.x, y - state.pose.y) > self.settings.radius(other) + 0.2
                 for other, state in states.items()
                 if other != name
             )
