@@ -32,6 +32,7 @@ COMMANDS = {
     "doctor": ("acromovi.doctor", "Say what is wrong with a port, a robot or this machine"),
     "try": ("acromovi.scenes.play", "See an accessory, a line or a fault at work, in a few seconds"),
     "remote-vision": ("acromovi.remote_vision", "See through the cameras of a team in a browser, and turn them"),
+    "camera": ("acromovi.camera", "Calibrate a camera by views of a chessboard"),
     "navigate": ("acromovi.navigation.command", "Let a robot find its way through rooms that it does not know"),
     "missions": ("acromovi.missions.command", "Play missions of the indoor navigation in lockstep, and judge them"),
     "demo": ("acromovi.demo", "Run an emulated robot, its gateway and a drive round the office, about a minute"),

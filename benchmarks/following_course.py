@@ -154,9 +154,7 @@ class FollowingCourse(Closeable):
         self._drive: Drive = follow_line(straight(*self.route), SPEED)
         self._stop_at, self._go_at = rng.uniform(*STOPS), 0.0
         self._begun = self.lockstep.time
-        self.followers = [
-            _FollowingRobot(self.lockstep, name, settings, PAN_REACH if head else 0.0) for name in names[1:]
-        ]
+        self.followers = [SightedRobot(self.lockstep, name, settings, PAN_REACH if head else 0.0) for name in names[1:]]
         self.lockstep.run(CONNECTING)
 
     @property
@@ -199,13 +197,14 @@ class FollowingCourse(Closeable):
         self.lockstep.close()
 
 
-class _FollowingRobot(Closeable):
-    """One follower on the bus of a lockstep."""
+class SightedRobot(Closeable):
+    """One robot with a camera that sees the leader, on the bus of a lockstep."""
 
     def __init__(self, lockstep: Lockstep, name: str, settings: FollowingSettings, pan_reach: float) -> None:
+        """Prepare it. pan_reach: of the head to either side, rad; 0 without one."""
         self.name = name
         self.track = FollowingTrack()
-        self.cycle = FollowingCycle(settings, lockstep.view(name).field_of_view, pan_reach)
+        self.cycle = FollowingCycle(settings, {"field_of_view": lockstep.view(name).field_of_view}, pan_reach)
         self._bus = lockstep.bus()
         self._ranges: list[Point] = []
         self._picture: tuple[float, bytes] | None = None
@@ -222,6 +221,15 @@ class _FollowingRobot(Closeable):
 
     def step(self, now: float) -> None:
         """Do what the application does in one period."""
+        step = self.look(now)
+        if step is not None:
+            self._bus.put(keys.CMD_VEL.key(self.name), twist(step.twist.linear, step.twist.angular))
+
+    def look(self, now: float, gaze: float | None = None) -> FollowingStep | None:
+        """Take the newest readings and turn the head, but do not drive; returns what the application would do.
+
+        gaze: where the head is to look, rad; None for where it sees or seeks the leader.
+        """
         begun = time.process_time()
         if self._picture is not None:
             self.cycle.take_picture(*self._picture)
@@ -232,13 +240,13 @@ class _FollowingRobot(Closeable):
         self.track.unseen.append(now - self._found_at)
         self.track.words.append(self.cycle.words)
         if step is None:
-            return
+            return None
         self.track.states.append(step.state)
-        self._bus.put(keys.CMD_VEL.key(self.name), twist(step.twist.linear, step.twist.angular))
-        pan = self.cycle.head_command(now)
+        pan = self.cycle.head_command(now, gaze)
         if pan is not None:
             with suppress(Refused):  # the head is not ready yet; it is told again
                 self._bus.query(keys.LOOK.key(self.name), {"pan": pan, "detach": True})
+        return step
 
     def close(self) -> None:
         """Leave the bus."""

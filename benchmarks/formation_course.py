@@ -8,7 +8,7 @@ from itertools import pairwise
 
 from acromovi.lockstep import Lockstep
 from apps.formation.controller import Formation
-from apps.formation.members import MemberState, RangeEcho
+from apps.formation.members import MemberState, PoseSource, RangeEcho
 from apps.formation.path import LeaderPath
 from apps.formation.pose_filter import PoseFilter
 from apps.formation.record import FormationRecord
@@ -39,8 +39,9 @@ class FormationCourse(Closeable):
         *,
         seed: int = 0,
         perfect: bool = False,
-        fit: str = "",
+        fit: str | Mapping[str, str] = "",
         drive: Drive = lambda now, pose: None,
+        by_sight: bool = False,
     ) -> None:
         """Place the robots; the first of `starts` leads.
 
@@ -51,8 +52,9 @@ class FormationCourse(Closeable):
             settings: Of the application.
             seed: Of every error.
             perfect: No errors of odometry and sensors.
-            fit: Accessories of all robots.
+            fit: Accessories of all robots, or of each by its name.
             drive: How the leader is driven.
+            by_sight: As for `Formation`.
         """
         self.leader, *followers = starts
         self.starts = dict(starts)
@@ -61,16 +63,16 @@ class FormationCourse(Closeable):
         self.lockstep = Lockstep(
             replace(world, starts=tuple(starts.values())),
             dict.fromkeys(starts, MODEL),
-            fits=dict.fromkeys(starts, fit),
+            fits=dict.fromkeys(starts, fit) if isinstance(fit, str) else fit,
             seed=seed,
             perfect=perfect,
         )
-        self.formation = Formation(self.leader, followers, shape, settings)
+        self.formation = Formation(self.leader, followers, shape, settings, by_sight=by_sight)
         self.track = FormationRecord(self.leader)
         self.along_path = FormationRecord(self.leader)
         self.muted: set[str] = set()
         self._bus = self.lockstep.bus()
-        self._source = _BusPoses(self.lockstep, starts, self.muted)
+        self._source = self._open_source()
         self._filter = PoseFilter(settings.poses)
         self._true_path = LeaderPath(30.0)
         self._held: dict[str, Twist2D] = {}
@@ -87,18 +89,20 @@ class FormationCourse(Closeable):
 
     def step(self) -> bool:
         """Let one period pass; returns whether the leader is still driven."""
-        states: Mapping[str, MemberState] = self._source.read(self.time)
-        if self.settings.poses.correct:
-            states = self._filter.update(states)
+        states = self._states()
         orders = self.formation.step(self.time, states)
         self.track.told += [f"{self.time:.1f} s: {each}" for each in orders.told]
         driven = self.drive(self.time, self.lockstep.truth(self.leader))
         self._command(self.leader, driven or Twist2D())
         for name, each in orders.twists.items():
-            self._command(name, each)
+            self._command(name, self._limited(name, each))
         self._note(orders.offsets)
         self.lockstep.run(self.settings.period_s)
         return driven is not None
+
+    def forget(self) -> None:
+        """Begin the record anew."""
+        self.track, self.along_path = FormationRecord(self.leader), FormationRecord(self.leader)
 
     def touches(self) -> list[str]:
         """Return what robots have touched, in words."""
@@ -110,6 +114,16 @@ class FormationCourse(Closeable):
         """End the world and the bus."""
         self._bus.close()
         self.lockstep.close()
+
+    def _open_source(self) -> PoseSource:
+        return BusPoses(self.lockstep, self.starts, self.muted)
+
+    def _states(self) -> Mapping[str, MemberState]:
+        states = self._source.read(self.time)
+        return self._filter.update(states) if self.settings.poses.correct else states
+
+    def _limited(self, name: str, velocity: Twist2D) -> Twist2D:
+        return velocity
 
     def _command(self, name: str, velocity: Twist2D) -> None:
         if name not in self.muted:
@@ -129,10 +143,11 @@ class FormationCourse(Closeable):
         self.along_path.add(self.time, dict(poses), along)
 
 
-class _BusPoses:
+class BusPoses:
     """Poses from the odometry on the bus and the given starts; implements `PoseSource`."""
 
     def __init__(self, lockstep: Lockstep, starts: Mapping[str, Pose2D], muted: set[str]) -> None:
+        """Subscribe. muted: robots that are not heard."""
         self._starts = starts
         self._muted = muted
         self._bus = lockstep.bus()

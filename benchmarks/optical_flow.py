@@ -12,8 +12,9 @@ from pathlib import Path
 
 import cv2
 
+from apps.film import FilmWriter, Pixels
 from apps.optical_flow.application import least_contact
-from apps.optical_flow.film import FilmWriter, Pixels, draw_frame
+from apps.optical_flow.film import draw_frame
 from apps.optical_flow.plots import draw_wandering
 from apps.optical_flow.record import FlowRecord
 from apps.optical_flow.settings import FlowSettings

@@ -26,6 +26,7 @@ Ints32 = Annotated[NDArray[np.int32], "int32[]"]
 Floats32 = Annotated[NDArray[np.float32], "float32[]"]
 Floats64 = Annotated[NDArray[np.float64], "float64[]"]
 Matrix3 = Annotated[NDArray[np.float64], "float64[9]"]
+Matrix34 = Annotated[NDArray[np.float64], "float64[12]"]
 Matrix6 = Annotated[NDArray[np.float64], "float64[36]"]
 
 Definition = tuple[list[Any], list[tuple[str, Any]]]

@@ -100,6 +100,9 @@ JOINT_STATES = Topic.stream(
 CAMERA = Topic.stream(
     "camera/image/compressed", "sensor_msgs/msg/CompressedImage", "camera rate", "Pictures, JPEG or PNG"
 )
+CAMERA_INFO = Topic.stream(
+    "camera/camera_info", "sensor_msgs/msg/CameraInfo", "camera rate", "Model of a calibrated camera"
+)
 TF = Topic.stream("tf", "tf2_msgs/msg/TFMessage", "with odometry", "Where <robot>/base_link is in <robot>/odom")
 TF_STATIC = Topic.stream("tf_static", "tf2_msgs/msg/TFMessage", "1 Hz", "Where the sensors are on the robot")
 DIAGNOSTICS = Topic.stream(

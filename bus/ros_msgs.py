@@ -20,6 +20,7 @@ from bus.field_types import (
     Ints32,
     Matrix3,
     Matrix6,
+    Matrix34,
     String,
     Strings,
     UInt8,
@@ -229,6 +230,36 @@ class BatteryState:
     POWER_SUPPLY_TECHNOLOGY_TERNARY: ClassVar[int] = 7
     POWER_SUPPLY_TECHNOLOGY_VRLA: ClassVar[int] = 8
     __msgtype__: ClassVar[str] = "sensor_msgs/msg/BatteryState"
+
+
+@dataclass
+class RegionOfInterest:
+    """A part of an image, px; all 0 is the whole image."""
+
+    x_offset: UInt32
+    y_offset: UInt32
+    height: UInt32
+    width: UInt32
+    do_rectify: Bool
+    __msgtype__: ClassVar[str] = "sensor_msgs/msg/RegionOfInterest"
+
+
+@dataclass
+class CameraInfo:
+    """A calibrated camera, px. d: distortion; k: camera matrix; r: rectification; p: projection, row by row."""
+
+    header: Header
+    height: UInt32
+    width: UInt32
+    distortion_model: String
+    d: Floats64
+    k: Matrix3
+    r: Matrix3
+    p: Matrix34
+    binning_x: UInt32
+    binning_y: UInt32
+    roi: RegionOfInterest
+    __msgtype__: ClassVar[str] = "sensor_msgs/msg/CameraInfo"
 
 
 @dataclass

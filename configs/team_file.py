@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import Any
 
+from configs.camera_calibration import CameraCalibration
 from configs.defaults import LINK, WORLD
 from configs.loader import ConfigError, find, load
 
@@ -28,6 +29,7 @@ class TeamRobot:
     name: on the bus. model: one of `configs/robots`, or a file. port: a device or a URL, or `EMULATED`.
     fit: its accessories, as `--fit` writes them; of a real robot, what is bolted onto it.
     laser, arm, camera: where those of a real robot are plugged in.
+    camera_calibration: of its camera, as `acromovi camera calibrate` writes it.
     link: of an emulated one, where it differs from the team's.
     navigation: whether its indoor navigation is started with the team, as `acromovi navigate up` does.
     at_m, heading_deg: where it begins in an emulated world; left to the world without them.
@@ -40,6 +42,7 @@ class TeamRobot:
     laser: str | None = None
     arm: str | None = None
     camera: str | None = None
+    camera_calibration: CameraCalibration | None = None
     link: str | None = None
     navigation: bool = False
     at_m: tuple[float, float] | None = None

@@ -8,6 +8,7 @@ from numbers import Real
 from pathlib import Path
 
 from configs import ConfigError, build, read
+from configs.camera_calibration import CameraCalibration
 from gateway.line import CABLE, RADIO, LineKind
 from p2os import BAUD_CODES
 
@@ -121,9 +122,14 @@ class LaserSettings:
 
 @dataclass(frozen=True, slots=True)
 class CameraSettings:
-    """What a camera does not report itself. field_of_view_rad: horizontal; without zoom."""
+    """What a camera does not report itself.
+
+    field_of_view_rad: horizontal; without zoom. calibration: used in place of it, as `acromovi camera calibrate`
+    measures it.
+    """
 
     field_of_view_rad: float | None = None
+    calibration: CameraCalibration | None = None
 
     def __post_init__(self) -> None:
         angle = self.field_of_view_rad

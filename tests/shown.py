@@ -14,6 +14,7 @@ SUITE = "it is run by `make test` as a whole"
 FORMATION = "tests/apps/formation/test_on_a_team.py, with two robots"
 FOLLOWING = "tests/apps/robot_following/test_on_a_team.py, with two robots"
 OPTICAL_FLOW = "tests/apps/optical_flow/test_on_a_team.py"
+_CALIBRATED = "tests/acromovi/test_camera.py, on drawn chessboards"
 ELSEWHERE = {
     "acromovi try gripper": "tests/acromovi/test_scenes.py",
     "acromovi up acromovi": "tests/acromovi/team/test_team_of_seven.py",
@@ -29,8 +30,13 @@ ELSEWHERE = {
     "acromovi ask colours@happy serve_acts port=5001": "tests/agents/components/vision, with other ports",
     "acromovi run formation leader=happy followers=doc,grumpy shape=triangle starts=my-team.toml": FORMATION,
     "acromovi promote formation leader=happy followers=doc,grumpy starts=my-team.toml": FORMATION,
+    "acromovi run formation leader=happy followers=doc,grumpy poses=sight": (
+        "tests/apps/formation/test_sight_on_a_team.py, with two robots"
+    ),
     "acromovi ask formation@apps shape shape=line": FORMATION,
     "acromovi ask formation@apps status": FORMATION,
+    "acromovi camera calibrate doc --board 9x6 --into my-team.toml doc": _CALIBRATED,
+    "acromovi camera calibrate views/*.png --board 9x6 --into my-team.toml doc": _CALIBRATED,
     "acromovi remote-vision happy": "tests/apps/remote_vision, on any free port",
     "acromovi run robot_following robot=happy": FOLLOWING,
     "acromovi run robot_following robots=happy,sleepy": FOLLOWING,

@@ -127,10 +127,18 @@ class TeamProcesses:
         self._choices = choices
         self._folder = folder
 
-    @property
-    def settings(self) -> Path:
-        """The file where the gateways of emulated robots read `EMULATED`."""
-        return self._folder / "emulated.toml"
+    def write_settings(self) -> None:
+        """Write the settings of the gateways, before they start."""
+        self._settings().write_text(EMULATED, encoding="utf-8")
+        for robot in self._team.robots:
+            if robot.camera_calibration is not None:
+                own = f"[camera]\ncalibration = {robot.camera_calibration.toml}\n"
+                text = EMULATED + own if robot.is_emulated else own
+                self._settings(robot).write_text(text, encoding="utf-8")
+
+    def _settings(self, robot: TeamRobot | None = None) -> Path:
+        """The file where a gateway reads its settings; that of all emulated robots, or a calibrated robot's own."""
+        return self._folder / ("emulated.toml" if robot is None else f"{robot.name}.toml")
 
     def emulator(self) -> PlannedProcess:
         """The process that emulates the team's emulated robots. Ports and control socket are in the folder."""
@@ -177,8 +185,10 @@ class TeamProcesses:
             words += [f"--{part}", place] if place else []
         if configs.load(LinkProfile, "links", robot.link or self._team.file.link).modem is not None:
             words.append("--radio")
-        if robot.is_emulated:
-            words += ["--config", str(self.settings)]
+        if robot.camera_calibration is not None:
+            words += ["--config", str(self._settings(robot))]
+        elif robot.is_emulated:
+            words += ["--config", str(self._settings())]
         return words
 
     def container(self, robot: str) -> PlannedProcess:

@@ -9,7 +9,7 @@ from typing import Any
 from acromovi.team.causes import Causes, plain
 from acromovi.team.host_control import HostControl
 from acromovi.team.identities import TeamOptions
-from acromovi.team.plan import EMULATED, PlannedProcess, ProcessKind, TeamPlan, TeamProcesses
+from acromovi.team.plan import PlannedProcess, ProcessKind, TeamPlan, TeamProcesses
 from acromovi.team.processes import StartQueue
 from acromovi.team.progress import ProgressLines
 from acromovi.team.readiness import PATIENCE, Readiness
@@ -89,7 +89,7 @@ class TeamAtWork(Closeable):
         """Start the first processes; the others follow as soon as they can."""
         robots = f"{len(self._team.robots)} robot{'s' if len(self._team.robots) > 1 else ''}"
         self._tell(f"starting {robots} of {self._team.name}: {', '.join(robot.name for robot in self._team.robots)}")
-        self._processes.settings.write_text(EMULATED)
+        self._processes.write_settings()
         if self._team.emulated:
             self._queue.add(self._processes.emulator())
         for robot in self._team.robots:

@@ -4,12 +4,13 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 import configs
 from agents import Robot, RobotError, Team, request
+from apps.film import check_film
 from apps.formation.controller import Formation, FormationOrders
-from apps.formation.members import MemberState
+from apps.formation.members import MemberState, PoseSource
 from apps.formation.plots import draw_formation
 from apps.formation.pose_filter import PoseFilter
 from apps.formation.record import FormationRecord
@@ -18,12 +19,28 @@ from apps.formation.shapes import ShapeError
 from apps.formation.shared_poses import SharedPoses, read_starts
 from apps.pictures import check_picture
 from apps.waypoints import Follower
-from configs.extras import ExtraMissing
+from configs.extras import ExtraMissing, require
 from geometry import Point, Pose2D, Twist2D
 
 SERVICES = ("formation",)  # for the directory, when it runs as an agent
 SLOW_FROM, STAND_FROM = 0.3, 1.2  # m that a follower is off, from which a leader of `drive=` drives slower, and stands
 SETTLE = 3.0  # s after the last waypoint, in which the followers take their places
+
+
+class _Robots(PoseSource, Protocol):
+    """Where poses come from, and who drives."""
+
+    def drive(self, name: str, twist: Twist2D) -> str:
+        """Drive a robot; returns why it cannot be driven, in words, or nothing."""
+        ...
+
+    def has_leapt(self, name: str) -> bool:
+        """Return whether the odometry of a robot has jumped, so that nobody knows any more where it is."""
+        ...
+
+    def close(self) -> None:
+        """Begin no more requests."""
+        ...
 
 
 @dataclass(slots=True)
@@ -46,6 +63,9 @@ def main(
     settings: str = "",
     drive: list[list[float]] | None = None,
     picture: str = "formation.svg",
+    poses: str = "odometry",
+    colours: str = "",
+    film: str = "",
 ) -> None:
     """Keep a formation until stopped.
 
@@ -58,28 +78,44 @@ def main(
         settings: A file with changes of `settings.toml`.
         drive: Waypoints in m to which the application drives the leader; without, it never does.
         picture: File for the plots at the end; none if empty.
+        poses: `odometry`: that of all robots, from their starts; `sight`: the followers' cameras see the target on the
+            leader, which need not be on the bus.
+        colours: Of the target: a file of the agent `colours`, or `trained` for what that of each follower has been
+            trained to. Without it, those of the targets that emulated robots carry.
+        film: File for a film of the drive from above, .gif or .mp4; none if empty.
     Raises:
         RobotError: An argument is not valid, or a robot is missing.
     """
+    by_sight = _is_by_sight(poses, drive)
     tuned = _settings(settings)
-    robots = _robots(team, leader, followers)
-    names = [each.name for each in robots]
+    tuned = tuned.by_sight if by_sight else tuned
+    robots = _robots(team, leader, followers, by_sight)
+    names = [leader, *(each.name for each in robots if each.name != leader)]
     waypoints = _waypoints(drive)
     check_picture(picture)
+    check_film(film)
     try:
-        formation = Formation(names[0], names[1:], shape, tuned)
+        formation = Formation(names[0], names[1:], shape, tuned, by_sight=by_sight)
     except ShapeError as err:
         raise RobotError(str(err)) from err
     _running.formation = formation
     record = FormationRecord(names[0])
-    poses = SharedPoses(robots, read_starts(starts, names), tuned.period_s)
+    if by_sight:
+        from apps.formation.sighted_robots import SightedRobots  # it loads OpenCV
+        from apps.robot_following.robot import target_colours
+
+        eyes = [(each, target_colours(team, each, colours)) for each in robots]
+        source: _Robots = SightedRobots(leader, eyes, tuned)
+    else:
+        source = SharedPoses(robots, read_starts(starts, names), tuned.period_s)
     try:
-        _keep(team, formation, poses, record, Follower(waypoints) if waypoints else None)
-        for each in robots[0 if waypoints else 1 :]:
-            each.base.stop()
+        _keep(team, formation, source, record, Follower(waypoints) if waypoints else None)
+        for each in robots:
+            if waypoints or each.name != leader:
+                each.base.stop()
     finally:
-        poses.close()
-        _finish(record, picture)
+        source.close()
+        _finish(record, picture, "sight" if by_sight else "odometry", film)
 
 
 @request("shape")
@@ -100,9 +136,7 @@ def status() -> dict[str, Any]:
     return {**formation.status, "errors": {} if orders is None else dict(orders.errors)}
 
 
-def _keep(
-    team: Team, formation: Formation, poses: SharedPoses, record: FormationRecord, course: Follower | None
-) -> None:
+def _keep(team: Team, formation: Formation, poses: _Robots, record: FormationRecord, course: Follower | None) -> None:
     """Drive the followers until the program is to end, or the leader's last waypoint has been passed."""
     settings = formation.settings
     corrected = PoseFilter(settings.poses)
@@ -161,17 +195,24 @@ def _tell(record: FormationRecord, now: float, told: str) -> None:
     print(record.told[-1], flush=True)
 
 
-def _finish(record: FormationRecord, picture: str) -> None:
-    """Print the summary, and draw the picture."""
+def _finish(record: FormationRecord, picture: str, measured: str, film: str) -> None:
+    """Print the summary, and write picture and film."""
     if not record.times:
         return
     print(f"after {record.times[-1]:.0f} s:", *record.summary(), sep="\n  ", flush=True)
     if picture:
         try:
-            draw_formation(Path(picture), record, f"formation led by {record.leader}, poses by odometry")
+            draw_formation(Path(picture), record, f"formation led by {record.leader}, poses by {measured}")
             print(f"see {picture}", flush=True)
         except (OSError, ExtraMissing) as err:
             print(f"no picture: {err}", flush=True)
+    if film:
+        from apps.formation.film import write_film
+
+        try:
+            print(f"see {film}, {write_film(Path(film), record)} frames", flush=True)
+        except OSError as err:
+            print(f"no film: {err}", flush=True)
 
 
 def _formation() -> Formation:
@@ -187,17 +228,32 @@ def _settings(file: str) -> FormationSettings:
         raise RobotError(str(err)) from err
 
 
-def _robots(team: Team, leader: str, followers: str | list[str]) -> list[Robot]:
-    """Return leader and followers.
+def _is_by_sight(poses: str, drive: object) -> bool:
+    if poses not in ("odometry", "sight"):
+        raise RobotError(f"poses must be odometry or sight, not {poses!r}")
+    if poses == "odometry":
+        return False
+    if drive:
+        raise RobotError("by sight, nobody knows where the waypoints of drive= are; drive the leader by other means")
+    try:
+        require("a formation by sight", "vision")
+    except ExtraMissing as err:
+        raise RobotError(str(err)) from err
+    return True
+
+
+def _robots(team: Team, leader: str, followers: str | list[str], by_sight: bool) -> list[Robot]:
+    """Return leader and followers; by sight the followers only.
 
     Raises:
         RobotError: A robot is missing or named twice, or there is no follower.
     """
     if not leader:
         raise RobotError("no leader is given; name one, as leader=happy")
+    having = ("base", "camera") if by_sight else ("base",)
     names = followers if isinstance(followers, list) else [name.strip() for name in followers.split(",")]
     names = [str(name) for name in names if name] or [
-        each.name for each in team.robots(having="base") if each.name != leader
+        each.name for each in team.robots(having=having) if each.name != leader
     ]
     if leader in names:
         raise RobotError(f"{leader} leads and cannot follow itself; leave it out of followers")
@@ -205,7 +261,7 @@ def _robots(team: Team, leader: str, followers: str | list[str]) -> list[Robot]:
         raise RobotError(f"{twice[0]} is named twice in followers; name each robot once")
     if not names:
         raise RobotError(f"there is no robot to follow {leader}; a formation needs at least two robots")
-    return [team.robot(name, having="base") for name in (leader, *names)]
+    return [team.robot(name, having=having) for name in (names if by_sight else (leader, *names))]
 
 
 def _waypoints(drive: Sequence[object] | None) -> list[Point]:

@@ -14,7 +14,7 @@ from apps.formation.membership import Membership
 from apps.formation.passages import EchoMemory
 from apps.formation.path import LeaderPath
 from apps.formation.settings import FormationSettings
-from apps.formation.shapes import COLUMN, shape_offsets
+from apps.formation.shapes import COLUMN, check_behind, shape_offsets
 from apps.formation.tracking import VirtualPoint, frame_point, path_point, twist_towards
 from geometry import Point, Pose2D, Twist2D, integrate
 
@@ -45,15 +45,26 @@ class Formation:
     all followers stand, in words; empty while they drive.
     """
 
-    def __init__(self, leader: str, followers: Sequence[str], shape: str, settings: FormationSettings) -> None:
+    def __init__(
+        self, leader: str, followers: Sequence[str], shape: str, settings: FormationSettings, *, by_sight: bool = False
+    ) -> None:
         """Begin with a shape.
 
+        Args:
+            leader: Its name.
+            followers: Their names.
+            shape: As for `set_shape`.
+            settings: Of the application.
+            by_sight: The followers see the leader's target, so their points must be behind it.
         Raises:
             ShapeError: It cannot be formed.
         """
         self.leader = leader
         self.settings = settings
-        self.members = Membership(followers, settings)
+        self._by_sight = by_sight
+        self._blur = settings.sight.blur_m if by_sight else 0.0  # by which its echo can be off its place
+        self._unheard = "is not seen" if by_sight else "is silent"
+        self.members = Membership(followers, settings, "does not see the leader" if by_sight else self._unheard)
         self.is_narrow = False
         self.waits_for = ""
         self.shape = shape
@@ -104,7 +115,7 @@ class Formation:
         self.members.told.clear()
         leader = states.get(self.leader)
         if leader is None or self.members.is_silent(leader, now):
-            self._wait(f"{self.leader}, the leader, is silent")
+            self._wait(f"{self.leader}, the leader, {self._unheard}")
             return FormationOrders(
                 self._commanded(dict.fromkeys(self.members.followers, REST)), told=tuple(self.members.told)
             )
@@ -149,10 +160,13 @@ class Formation:
         radii = sorted((settings.radius(name) for name in (self.leader, *self.members.followers)), reverse=True)
         nearest = sum(radii[:2]) + settings.safety.robot_gap_m
         spacing = settings.points.column_spacing_m if shape == COLUMN else settings.points.spacing_m
-        return [shape_offsets(shape, count, spacing, nearest) for count in range(len(self.members.followers) + 1)]
+        found = [shape_offsets(shape, count, spacing, nearest) for count in range(len(self.members.followers) + 1)]
+        if self._by_sight:
+            check_behind(shape, found[-1], settings.sight.aside_rad)
+        return found
 
     def _discs(self, states: Mapping[str, MemberState]) -> list[tuple[Pose2D, float]]:
-        return [(state.pose, self.settings.radius(name)) for name, state in states.items()]
+        return [(state.pose, self.settings.radius(name) + self._blur) for name, state in states.items()]
 
     def _new_echoes(self, states: Mapping[str, MemberState]) -> list[Point]:
         """Return what members see for the first time, in the common frame."""

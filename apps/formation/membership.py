@@ -18,10 +18,12 @@ class Membership:
     followers: by name. told: sentences since the last time that somebody emptied it.
     """
 
-    def __init__(self, names: Sequence[str], settings: FormationSettings) -> None:
+    def __init__(self, names: Sequence[str], settings: FormationSettings, unheard: str = "is silent") -> None:
+        """Begin with all. unheard: what is told of a robot without a recent state."""
         self.followers = {name: Member(name) for name in names}
         self.told: list[str] = []
         self._limits = settings.members
+        self._unheard = unheard
         self._silence = settings.safety.silent_s
 
     @property
@@ -47,7 +49,7 @@ class Membership:
         """Find out which followers cannot be driven."""
         for name, member in self.followers.items():
             if name not in states or self.is_silent(states[name], now):
-                self._lose(member, "is silent")
+                self._lose(member, self._unheard)
             elif member.refusal:
                 self._lose(member, f"refuses to drive: {member.refusal}")
             elif member.trouble and member.trouble != STUCK:

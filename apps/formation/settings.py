@@ -1,7 +1,7 @@
 """Settings of the application, from one file; `settings.toml` beside this module has all of them with their meaning."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import configs
@@ -39,6 +39,22 @@ class Poses:
     slip_m: float
     turn_rad: float
     turn_share: float
+
+
+@dataclass(frozen=True, slots=True)
+class SightSettings:
+    """How poses follow from the sight of the leader's target."""
+
+    spacing_m: float
+    turn_rad_s: float
+    at_point_m: float
+    turned_rad: float
+    blur_m: float
+    gather_s: float
+    blind_s: float
+    unled_s: float
+    gaze_s: float
+    aside_rad: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,6 +115,7 @@ class FormationSettings:
     report_s: float
     points: Points
     poses: Poses
+    sight: SightSettings
     tracking: Tracking
     safety: Safety
     members: Members
@@ -114,6 +131,16 @@ class FormationSettings:
         settings, source = load_with_changes(cls, SETTINGS, file)
         settings._check(source)
         return settings
+
+    @property
+    def by_sight(self) -> "FormationSettings":
+        """The settings where poses come from sight: wider, with smaller turns, and without the sonar's corrections."""
+        return replace(
+            self,
+            points=replace(self.points, spacing_m=self.sight.spacing_m, column_spacing_m=self.sight.spacing_m),
+            poses=replace(self.poses, correct=False),
+            tracking=replace(self.tracking, turn_rad_s=self.sight.turn_rad_s, at_point_m=self.sight.at_point_m),
+        )
 
     def radius(self, robot: str) -> float:
         """Return the radius of a robot, m."""

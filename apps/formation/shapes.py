@@ -43,6 +43,24 @@ def shape_offsets(shape: str, followers: int, spacing: float, nearest: float) ->
     return tuple(points)
 
 
+def check_behind(shape: str, points: Sequence[Point], aside: float) -> None:
+    """Check that the target at the leader's back can be seen from all points of a shape.
+
+    Args:
+        shape: For the message.
+        points: m in the leader's frame.
+        aside: Off the leader's back, within which the target can be seen, rad.
+    Raises:
+        ShapeError: It cannot.
+    """
+    off = max((abs(math.atan2(y, -x)) for x, y in points), default=0.0)
+    if off > aside:
+        raise ShapeError(
+            f"in {shape}, a place is {math.degrees(off):.0f} degrees off the leader's back, and its target is seen "
+            f"within {math.degrees(aside):.0f} degrees; choose column, wedge, triangle or diamond, or poses=odometry"
+        )
+
+
 def _column() -> Iterator[Point]:
     """Yield one behind the other."""
     for row in count(1):

@@ -11,9 +11,9 @@ import numpy as np
 import configs
 from agents import Failed, Refused, Robot, RobotError, Stopped, Team, request
 from agents.client.element import ElementClient
+from apps.film import ENDINGS, FilmWriter
 from apps.optical_flow.columns import FlowColumns
 from apps.optical_flow.feed import FlowFeed
-from apps.optical_flow.film import ENDINGS, FilmWriter
 from apps.optical_flow.plots import draw_wandering
 from apps.optical_flow.record import FlowRecord
 from apps.optical_flow.settings import FlowSettings

@@ -9,8 +9,9 @@ from typing import Any
 
 from agents import Robot, RobotError
 from agents.client.readings import OtherReading
+from apps.film import Pixels
 from apps.optical_flow.columns import FlowColumns
-from apps.optical_flow.film import FlowView, Pixels
+from apps.optical_flow.film import FlowView
 from apps.optical_flow.sight import FlowReadings
 from geometry import Pose2D, Twist2D
 

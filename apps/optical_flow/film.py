@@ -1,21 +1,16 @@
-"""Frames with image, flow field and time to contact, and the film made of them. OpenCV is loaded where it is used."""
+"""Frames of a film with image, flow field and time to contact. OpenCV is loaded where it is used."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from apps.film import Pixels
 from apps.optical_flow.columns import Floats, FlowColumns
 
-Pixels = NDArray[np.uint8]
 WIDTH, HEIGHT = 480, 360  # px of the image in a frame
 GRAPH, TEXT = 120, 34  # px of the graph and of the line of words below it
 LONGEST = 20.0  # s of time to contact at the top of the graph
-PLAY = 10  # frames a second of the film
-ENDINGS = (".gif", ".mp4")
 _ARROW = 0.35  # s of flow that an arrow shows
 _LEAST = 4.0  # px/s; shorter flow is a dot
 _GREEN, _ORANGE, _RED, _GREY = (74, 157, 42), (13, 140, 217), (47, 56, 181), (150, 150, 150)  # blue, green, red
@@ -93,48 +88,3 @@ def _write(area: Pixels, words: str, row: int) -> None:
 
 def _time(rate: float) -> float:
     return 1.0 / rate if rate > 1.0 / LONGEST else LONGEST
-
-
-class FilmWriter:
-    """Collects frames, and writes them at the end: a GIF with Pillow, or an MP4 with OpenCV."""
-
-    def __init__(self, file: Path, most: int) -> None:
-        """Begin. file: ends in .gif or .mp4. most: frames; further ones are dropped."""
-        self.file = file
-        self._most = most
-        self._frames: list[Any] = []  # JPEGs, which need a tenth of the memory
-
-    def add(self, frame: Pixels) -> None:
-        """Add a frame: blue, green and red."""
-        import cv2
-
-        if len(self._frames) < self._most:
-            self._frames.append(cv2.imencode(".jpg", frame, [cv2.IMWRITE_JPEG_QUALITY, 90])[1])
-
-    def close(self) -> int:
-        """Write the film; returns the number of frames. Without frames there is no file.
-
-        Raises:
-            OSError: The file cannot be written.
-        """
-        import cv2
-
-        frames = (np.asarray(cv2.imdecode(each, cv2.IMREAD_COLOR), np.uint8) for each in self._frames)
-        if not self._frames:
-            return 0
-        if self.file.suffix == ".gif":
-            from PIL import Image
-
-            first, *others = (
-                Image.fromarray(frame[:, :, ::-1]).quantize(64, Image.Quantize.FASTOCTREE) for frame in frames
-            )
-            first.save(self.file, save_all=True, append_images=others, duration=1000 // PLAY, loop=0, optimize=False)
-        else:
-            size = (WIDTH, HEIGHT + GRAPH + TEXT)
-            writer = cv2.VideoWriter(str(self.file), cv2.VideoWriter.fourcc(*"mp4v"), PLAY, size)
-            if not writer.isOpened():
-                raise OSError(f"{self.file} cannot be written")
-            for frame in frames:
-                writer.write(frame)
-            writer.release()
-        return len(self._frames)

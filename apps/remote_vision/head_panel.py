@@ -167,7 +167,7 @@ class HeadPanel:
 
     def _model(self, place: HeadPlace, size: tuple[int, int]) -> "PinholeModel | None":
         """Return the model of the camera at its present zoom for images of a size, px; None if it is not known."""
-        from agents.components.vision.colour_tools import camera_model  # it loads OpenCV
+        from vision.camera_model import camera_model  # it loads OpenCV
 
         facts = self._program.team.facts.get(self._viewing.robot)
         model = camera_model(view_of(facts.properties, facts.head), *size) if facts else None

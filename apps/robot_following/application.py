@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import configs
 from agents import Robot, RobotError, Team, request
 from apps.background import BackgroundRequests
+from apps.film import check_film
 from apps.pictures import check_picture
 from apps.robot_following.plots import draw_following
 from apps.robot_following.record import FollowingRecord
@@ -15,8 +16,8 @@ from apps.robot_following.settings import FollowingSettings, load_settings
 from configs.extras import ExtraMissing, require
 
 if TYPE_CHECKING:
+    from apps.robot_following.film import FollowingFilm
     from apps.robot_following.robot import FollowingRobot
-    from vision.colours import ColourTable
 
 SERVICES = ("following",)  # for the directory, when it runs as an agent
 MOST_REQUESTS = 6  # of a robot at the same time
@@ -32,6 +33,7 @@ def main(
     settings: str = "",
     colours: str = "",
     picture: str = "following.svg",
+    film: str = "",
 ) -> None:
     """Follow until stopped, or until every follower has looked for its leader in vain.
 
@@ -43,28 +45,31 @@ def main(
         colours: Of the target: a file of the agent `colours`, or `trained` for what that of each follower has been
             trained to. Without it, those of the targets that emulated robots carry.
         picture: File for the plots at the end; none if empty.
+        film: File for a film of the first follower, .gif or .mp4: both robots from above, and what it sees.
     Raises:
         RobotError: An argument is not valid, or a robot is missing.
     """
     tuned = _settings(settings)
     check_picture(picture)
+    check_film(film)
     found = _robots(team, robot, robots)
     try:
         require("robot following", "vision")
     except ExtraMissing as err:
         raise RobotError(str(err)) from err
-    from apps.robot_following.robot import FollowingRobot  # it loads OpenCV, which may be missing
+    from apps.robot_following.robot import FollowingRobot, target_colours  # it loads OpenCV, which may be missing
 
+    shots = _film(film)
     requests = BackgroundRequests(MOST_REQUESTS * len(found), "following")
     records = [FollowingRecord(each.name) for each in found]
     try:
-        _running[:] = [FollowingRobot(each, requests, tuned, _colours(team, each, colours)) for each in found]
-        _follow(team, _running, records, tuned)
+        _running[:] = [FollowingRobot(each, requests, tuned, target_colours(team, each, colours)) for each in found]
+        _follow(team, _running, records, tuned, shots)
         for each in found:
             each.base.stop()
     finally:
         requests.close()
-        _finish(records, tuned, picture)
+        _finish(records, tuned, picture, shots)
 
 
 @request("status")
@@ -83,7 +88,11 @@ def status() -> dict[str, Any]:
 
 
 def _follow(
-    team: Team, followers: "Sequence[FollowingRobot]", records: Sequence[FollowingRecord], settings: FollowingSettings
+    team: Team,
+    followers: "Sequence[FollowingRobot]",
+    records: Sequence[FollowingRecord],
+    settings: FollowingSettings,
+    shots: "FollowingFilm | None",
 ) -> None:
     """Step all followers until the program is to end, or all of them have given up."""
     next_report = 0.0
@@ -99,6 +108,8 @@ def _follow(
                 last[number] = each.does
             elif now >= next_report:
                 _tell(record, now, _progress(each))
+        if shots is not None:
+            shots.add(records[0], followers[0].cycle.shown)
         if now >= next_report:
             next_report = now + settings.report
         if all(each.has_given_up for each in followers):
@@ -115,8 +126,10 @@ def _tell(record: FollowingRecord, now: float, told: str) -> None:
     print(record.told[-1], flush=True)
 
 
-def _finish(records: Sequence[FollowingRecord], settings: FollowingSettings, picture: str) -> None:
-    """Print the summary, and draw the picture."""
+def _finish(
+    records: Sequence[FollowingRecord], settings: FollowingSettings, picture: str, shots: "FollowingFilm | None"
+) -> None:
+    """Print the summary, and write picture and film."""
     known = [record for record in records if record.times]
     if not known:
         return
@@ -127,6 +140,20 @@ def _finish(records: Sequence[FollowingRecord], settings: FollowingSettings, pic
             print(f"see {picture}", flush=True)
         except (OSError, ExtraMissing) as err:
             print(f"no picture: {err}", flush=True)
+    if shots is not None:
+        try:
+            if count := shots.close(records[0]):
+                print(f"see {shots.file}, {count} frames", flush=True)
+        except OSError as err:
+            print(f"no film: {err}", flush=True)
+
+
+def _film(file: str) -> "FollowingFilm | None":
+    if not file:
+        return None
+    from apps.robot_following.film import FollowingFilm  # it loads OpenCV
+
+    return FollowingFilm(Path(file))
 
 
 def _settings(file: str) -> FollowingSettings:
@@ -153,26 +180,3 @@ def _robots(team: Team, robot: str, robots: str | list[str]) -> list[Robot]:
         there = ", ".join(each.name for each in found) or "no robot"
         raise RobotError(f"{there} could follow; name the follower, as robot=happy")
     return found
-
-
-def _colours(team: Team, robot: Robot, given: str) -> "ColourTable | None":
-    """Return the colours of the target for a follower; None for those that are shipped.
-
-    Raises:
-        RobotError: The file cannot be read, or not all three channels are trained.
-    """
-    if not given:
-        return None
-    from vision.colours import ColourTable  # they load OpenCV
-    from vision.image import VisionError
-
-    try:
-        if given == "trained":
-            data = str(team.ask(f"colours@{robot.name}", "save")["colours"]).encode()
-        else:
-            data = Path(given).read_bytes()
-        return ColourTable.load(data)
-    except OSError as err:
-        raise RobotError(f"the colours cannot be read from {given}: {err.strerror}") from err
-    except VisionError as err:
-        raise RobotError(f"the colours of {given}: {err}") from err

@@ -1,18 +1,19 @@
 """The cycle of one follower: pictures, odometry, head and ranges in, velocity and direction of the camera out."""
 
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from math import hypot, inf
+from typing import Any
 
 from apps.robot_following.follower import FollowingStep, SightFollower
-from apps.robot_following.gaze import HeadCommands
+from apps.robot_following.gaze import HeadCommands, pan_to
 from apps.robot_following.history import StampedPoses
 from apps.robot_following.settings import FollowingSettings
 from apps.robot_following.sight import LeaderSight, shipped_colours
 from geometry import Point, Pose2D, Twist2D, wrap_angle
-from vision.camera_model import PinholeModel
+from vision.camera_model import camera_model
 from vision.colours import ColourTable
-from vision.image import Image, VisionError
+from vision.image import Floats, Image, VisionError
 
 _JUMP = 0.5  # m that no robot goes between two readings
 _WAITING = 3  # pictures for which it is not yet known where the head looked
@@ -23,14 +24,15 @@ class FollowingCycle:
 
     All times are s on the clock of the follower's gateway, which stamps its readings.
 
-    words: what the camera saw last, for a person. found_at: when the picture was exposed, s, in which the last step
-    found the leader; None if in none.
+    words: what the camera saw last, for a person. shown: the newest picture that was looked at, as a file, and the
+    corners of the target in it, px, shape (3, 4, 2), None where it was not found. found_at: when the picture was
+    exposed, s, in which the last step found the leader; None if in none.
     """
 
     def __init__(
         self,
         settings: FollowingSettings,
-        field_of_view: float,
+        lens: Mapping[str, Any],
         pan_reach: float = 0.0,
         colours: ColourTable | None = None,
     ) -> None:
@@ -38,7 +40,7 @@ class FollowingCycle:
 
         Args:
             settings: Of the application.
-            field_of_view: Of the camera, horizontal, rad.
+            lens: Of the camera: its `model`, or its horizontal `field_of_view` in rad, as `camera_model` takes them.
             pan_reach: How far the camera's head goes to either side, rad; 0 without one.
             colours: Of the target in channels 1 to 3; None for those of the targets that emulated robots carry.
         Raises:
@@ -47,10 +49,12 @@ class FollowingCycle:
         self.settings = settings
         self.follower = SightFollower(settings, pan_reach)
         self.words = "no picture has come"
+        self.shown: tuple[bytes, Floats | None] | None = None
         self.found_at: float | None = None
-        self._field_of_view = field_of_view
+        self._lens = lens
         self._colours = colours or shipped_colours()
         self._robot, self._camera = StampedPoses(settings.silent), StampedPoses(settings.camera.head_silent)
+        self._pan_reach = pan_reach
         self._head = HeadCommands(settings.search) if pan_reach > 0.0 else None
         self._head_moves = False
         self._pan = self._tilt = 0.0
@@ -102,9 +106,15 @@ class FollowingCycle:
         """Return where the robot is in odom; None without a recent reading."""
         return self._robot.at(now)
 
-    def head_command(self, now: float) -> float | None:
-        """Return the pan that the head is to be told now, rad; None if there is nothing to tell."""
-        return self._head.next(self._pan, now) if self._head else None
+    def head_command(self, now: float, gaze: float | None = None) -> float | None:
+        """Return the pan that the head is to be told now, rad; None if there is nothing to tell.
+
+        Args:
+            now: s.
+            gaze: Bearing to look at, rad; None for that of the last step.
+        """
+        pan = self._pan if gaze is None else pan_to(gaze, self._pan_reach)
+        return self._head.next(pan, now) if self._head else None
 
     def _is_ready(self, stamp: float) -> bool:
         """Return whether it is known where the head looked at a time: it stands, or a later reading has come."""
@@ -131,7 +141,7 @@ class FollowingCycle:
             except VisionError as err:
                 self.words = f"a picture cannot be used: {err}"
                 return
-            self._looked_at, self.words = stamp, sight.words
+            self._looked_at, self.words, self.shown = stamp, sight.words, (data, sight.outline)
             if sighting is not None:
                 self.found_at = stamp
                 self.follower.see(sighting, stamp)
@@ -150,6 +160,7 @@ class FollowingCycle:
     def _sight_for(self, width: int, height: int) -> LeaderSight:
         """Return what finds the leader in pictures of a size, px."""
         if self._sight is None or self._size != (width, height):
-            camera = PinholeModel.from_field_of_view(width, height, self._field_of_view)
+            camera = camera_model(self._lens, width, height)
+            assert camera is not None, "a lens has a model or a field of view"
             self._sight, self._size = LeaderSight(self.settings.leader, camera, self._colours), (width, height)
         return self._sight

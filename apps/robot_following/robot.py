@@ -3,19 +3,22 @@
 import base64
 import math
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Future
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
-from agents import Robot, RobotError
+from agents import Robot, RobotError, Team
 from apps.background import BackgroundRequests
+from apps.remote_vision.aiming import view_of
 from apps.robot_following.cycle import FollowingCycle
 from apps.robot_following.follower import FollowerState, FollowingStep
 from apps.robot_following.ranges import laser_points, sonar_points
 from apps.robot_following.settings import FollowingSettings
 from geometry import Point, Pose2D, Twist2D
 from vision.colours import ColourTable
+from vision.image import VisionError
 
 ANSWER_TIME = 1.0  # s for a reading or a command; the others do not wait for it
 SLOW = 0.1  # s between two readings of what changes slowly
@@ -38,7 +41,8 @@ class FollowingRobot:
     Times are of this machine's steady clock; the cycle has those of the stamps, which the gateway makes.
 
     trouble: which of its readings is missing, in words, so that it stands; empty otherwise. refusal: why it is not
-    allowed to drive. pose: in odom, None without readings. gap: m to the leader, None without one.
+    allowed to drive. pose: in odom, None without readings. twist: m/s and rad/s. echoes: of its sonar by the number of
+    the disc: its x, y and heading in base_link, and the range, m and rad. gap: m to the leader, None without one.
     """
 
     def __init__(
@@ -47,6 +51,7 @@ class FollowingRobot:
         requests: BackgroundRequests,
         settings: FollowingSettings,
         colours: ColourTable | None = None,
+        rangers: Sequence[str] = ("laser", "sonar"),
     ) -> None:
         """Prepare a robot that is there.
 
@@ -55,6 +60,7 @@ class FollowingRobot:
             requests: In which its requests are made.
             settings: Of the application.
             colours: Of the target; None for those that are shipped.
+            rangers: Elements of which the first that it has tells obstacles.
         Raises:
             RobotError: It has no base or camera, or the camera's field of view is not known.
         """
@@ -62,9 +68,9 @@ class FollowingRobot:
         self._requests, self._settings = requests, settings
         robot.element("base")
         self._has_head = robot.has("ptz")
-        reach, view = _pan_reach(robot) if self._has_head else 0.0, _field_of_view(robot, settings)
-        self.cycle = FollowingCycle(settings, view, reach, colours)
-        self._ranger = next((each for each in ("laser", "sonar") if robot.has(each)), "")
+        reach, lens = _pan_reach(robot) if self._has_head else 0.0, _lens(robot, settings)
+        self.cycle = FollowingCycle(settings, lens, reach, colours)
+        self._ranger = next((each for each in rangers if robot.has(each)), "")
         self._kinds = {
             element: _Reading(element, request, take, period)
             for element, request, take, period in (
@@ -84,6 +90,8 @@ class FollowingRobot:
         self._stamp = math.nan  # of the newest reading of the base, on the gateway's clock
         self.camera_trouble = self.refusal = ""
         self.pose: Pose2D | None = None
+        self.twist = Twist2D()
+        self.echoes: dict[int, tuple[float, float, float, float]] = {}
         self.gap: float | None = None
 
     @property
@@ -121,6 +129,16 @@ class FollowingRobot:
 
     def step(self) -> FollowingStep | None:
         """Take what has been answered, and drive; returns what it does, None without readings."""
+        step = self.look()
+        self.drive(step.twist if step is not None and not self.trouble else Twist2D())
+        return step
+
+    def look(self, gaze: float | None = None) -> FollowingStep | None:
+        """Take what has been answered, and turn the head, but do not drive; returns what `step` would do.
+
+        Args:
+            gaze: Bearing to look at, rad; None for where it sees or seeks the leader.
+        """
         for kind in self._kinds:
             self._take(kind)
         at = time.monotonic()
@@ -134,20 +152,20 @@ class FollowingRobot:
         step = self.cycle.step(now, self._ranges) if silence <= self._settings.silent else None
         self.pose = self.cycle.pose(now) if step is not None else None
         self.gap = step.gap if step is not None else None
-        self._drive(step.twist if step is not None and not self.trouble else Twist2D())
-        pan = self.cycle.head_command(now) if step is not None else None
+        pan = self.cycle.head_command(now, gaze) if step is not None else None
         if pan is not None:
             self._requests.take((self.name, "look"))
             self._requests.begin((self.name, "look"), self._look, pan)
         return step
 
-    def _drive(self, twist: Twist2D) -> None:
-        """Drive, unless the command before has not been answered."""
+    def drive(self, twist: Twist2D) -> str:
+        """Drive, unless the command before has not been answered; returns why it is refused, in words, or nothing."""
         before = self._requests.take((self.name, "drive"))
         if before is not None:
             error = before.exception()
             self.refusal = str(error) if isinstance(error, RobotError) else ""
         self._requests.begin((self.name, "drive"), self.robot.base.drive, twist.linear, twist.angular)
+        return self.refusal
 
     def _take(self, kind: str) -> None:
         """Take a reading that has been answered."""
@@ -166,7 +184,7 @@ class FollowingRobot:
         if told["stamp"] != self._stamp:  # the same reading again is no sign of life
             self._stamp, self._base_at = float(told["stamp"]), time.monotonic()
             pose = Pose2D(float(told["x"]), float(told["y"]), float(told["heading"]))
-            moving = Twist2D(float(told["linear"] or 0.0), float(told["angular"] or 0.0))
+            moving = self.twist = Twist2D(float(told["linear"] or 0.0), float(told["angular"] or 0.0))
             self.cycle.take_odometry(self._stamp, pose, moving)
 
     def _take_head(self, told: Any) -> None:
@@ -184,19 +202,20 @@ class FollowingRobot:
         self._take_stamp(told)
 
     def _take_sonar(self, told: Any) -> None:
-        self._ranges = sonar_points(self._echoes(told["ranges"]), self._settings.room)
+        self.echoes = self._heard(told["ranges"])
+        self._ranges = sonar_points(list(self.echoes.values()), self._settings.room)
         self._take_stamp(told)
 
     def _take_stamp(self, told: Any) -> None:
         if told["stamp"] != self._ranges_stamp:
             self._ranges_stamp, self._ranges_at = told["stamp"], time.monotonic()
 
-    def _echoes(self, ranges: Mapping[int, float | None]) -> list[tuple[float, float, float, float]]:
-        return [
-            (self._discs[number].x, self._discs[number].y, self._discs[number].heading, float(distance))
+    def _heard(self, ranges: Mapping[int, float | None]) -> dict[int, tuple[float, float, float, float]]:
+        return {
+            number: (self._discs[number].x, self._discs[number].y, self._discs[number].heading, float(distance))
             for number, distance in ranges.items()
             if distance is not None and number in self._discs
-        ]
+        }
 
     def _ask(self, reading: "_Reading") -> Any:
         return self.robot.element(reading.element).ask(reading.request, within=ANSWER_TIME)
@@ -212,20 +231,43 @@ def _pan_reach(robot: Robot) -> float:
     return float(min(-low, high))
 
 
-def _field_of_view(robot: Robot, settings: FollowingSettings) -> float:
-    """Return the horizontal field of view of the camera, rad.
+def _lens(robot: Robot, settings: FollowingSettings) -> dict[str, Any]:
+    """Return the field of view of the camera, rad, by the settings, or what the robot's description has of its lens.
 
     Raises:
-        RobotError: It is neither in the settings nor in the robot's description.
+        RobotError: Neither has anything.
     """
-    given: list[Any] = [settings.camera.field_of_view]
-    for element in ("camera", "ptz"):
-        if robot.has(element):
-            given.append(robot.element(element).properties.get("field_of_view"))
-    view = next((each for each in given if each), None)
-    if view is None:
+    if settings.camera.field_of_view:
+        return {"field_of_view": settings.camera.field_of_view}
+    camera, head = (robot.element(each).properties if robot.has(each) else {} for each in ("camera", "ptz"))
+    lens = view_of(camera, head)
+    if not lens:
         raise RobotError(
             f"the field of view of the camera of {robot.name} is not known; give it in rad as camera.field_of_view in "
-            f"the settings"
+            f"the settings, or calibrate the camera"
         )
-    return float(view)
+    return lens
+
+
+def target_colours(team: Team, robot: Robot, given: str) -> ColourTable | None:
+    """Return the colours of the target for a follower; None for those that are shipped.
+
+    Args:
+        team: The robots on the bus.
+        robot: The follower.
+        given: A file of the agent `colours`, `trained`, or nothing.
+    Raises:
+        RobotError: The file cannot be read, or not all three channels are trained.
+    """
+    if not given:
+        return None
+    try:
+        if given == "trained":
+            data = str(team.ask(f"colours@{robot.name}", "save")["colours"]).encode()
+        else:
+            data = Path(given).read_bytes()
+        return ColourTable.load(data)
+    except OSError as err:
+        raise RobotError(f"the colours cannot be read from {given}: {err.strerror}") from err
+    except VisionError as err:
+        raise RobotError(f"the colours of {given}: {err}") from err

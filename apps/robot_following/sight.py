@@ -1,5 +1,6 @@
 """The leader in an image: its target is found by colours, and its pose follows from the edges."""
 
+from collections.abc import Sequence
 from math import hypot
 
 import numpy as np
@@ -10,8 +11,9 @@ from configs.target_file import target_file
 from geometry import Pose2D
 from vision.camera_model import PinholeModel
 from vision.colours import ColourTable
-from vision.image import Pixels
+from vision.image import Floats, Pixels
 from vision.target import TargetFinder, TargetPose, TargetShape
+from vision.target_fit import placed
 
 _SHADES = np.linspace(0.45, 1.0, 12)  # of a colour, from shadow to full light
 _PATCH = 12  # px, of the drawn patch that a colour is trained from
@@ -20,7 +22,8 @@ _PATCH = 12  # px, of the drawn patch that a colour is trained from
 class LeaderSight:
     """Finds the leader in the images of one camera.
 
-    words: what was seen last, for a person.
+    words: what was seen last, for a person. outline: where the corners of the leader's target are in that image, px,
+    shape (3, 4, 2); None if it was not found.
     """
 
     def __init__(self, settings: LeaderSettings, camera: PinholeModel, table: ColourTable) -> None:
@@ -35,7 +38,9 @@ class LeaderSight:
         """
         self._settings = settings
         self._finder = TargetFinder(TargetShape(), table, camera)
+        self._camera = camera
         self.words = "no image has come"
+        self.outline: Floats | None = None
 
     def look(
         self, pixels: Pixels, robot: Pose2D, camera: Pose2D, tilt: float = 0.0, expected: Pose2D | None = None
@@ -54,17 +59,28 @@ class LeaderSight:
         """
         found = self._finder.find(pixels, tilt)
         self.words = found.words
-        seen = [(self._sighting(pose, robot, camera), pose.distance) for pose in found.others]
-        if found.pose is not None:
-            return self._sighting(found.pose, robot, camera)
-        if len(seen) < 2:
+        pose = found.pose or self._chosen(found.others, robot, camera, expected)
+        if pose is None:
+            self.outline = None
+            return None
+        at = np.array([pose.x, pose.y, pose.z, pose.orientation, 0.0, 0.0])
+        corners = placed(TargetShape().corners().reshape(-1, 3), at, tilt)
+        self.outline = self._camera.pixels_of(corners).reshape(3, 4, 2)
+        return self._sighting(pose, robot, camera)
+
+    def _chosen(
+        self, several: Sequence[TargetPose], robot: Pose2D, camera: Pose2D, expected: Pose2D | None
+    ) -> TargetPose | None:
+        """Return the leader's of several targets in view; None if that is not clear."""
+        if len(several) < 2:
             return None
         if expected is None:
-            seen.sort(key=lambda each: each[1])
-            return seen[0][0] if seen[1][1] - seen[0][1] > self._settings.apart else None
-        offs = [hypot(each.pose.x - expected.x, each.pose.y - expected.y) for each, _ in seen]
-        nearest, second = sorted(offs)[:2]
-        return seen[offs.index(nearest)][0] if second - nearest > self._settings.apart / 2.0 else None
+            first, second = sorted(several, key=lambda each: each.distance)[:2]
+            return first if second.distance - first.distance > self._settings.apart else None
+        leaders = [self._sighting(each, robot, camera).pose for each in several]
+        offs = [hypot(each.x - expected.x, each.y - expected.y) for each in leaders]
+        nearest, second_off = sorted(offs)[:2]
+        return several[offs.index(nearest)] if second_off - nearest > self._settings.apart / 2.0 else None
 
     def _sighting(self, pose: TargetPose, robot: Pose2D, camera: Pose2D) -> Sighting:
         """Return the sighting of the leader that carries a target."""

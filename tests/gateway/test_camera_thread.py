@@ -9,14 +9,17 @@ import numpy as np
 import pytest
 
 from bus import keys
+from bus.messages import decode, encode
 from cameras.errors import CameraLost
 from cameras.source import PATIENCE, CameraSource
+from configs.camera_calibration import CameraCalibration
 from gateway.cables.camera_thread import CameraState, CameraThread
 from gateway.elements.adapter import RobotContext
 from gateway.elements.camera.adapter import CameraAdapter
 from gateway.events import Event, PictureTaken
 from gateway.settings import CameraSettings, Settings
 from tests.waiting import patience
+from vision.camera_model import PinholeModel
 
 JPEG = bytes.fromhex("FF D8  FF C0 00 0B 08 00 78 00 A0 01 11 00  FF D9")  # 160 by 120
 
@@ -180,6 +183,25 @@ def test_camera_that_stalls_is_a_fault_even_while_its_thread_hangs() -> None:
     state.lose("nobody answers")
     assert dict(state.lost) == {"it hung up": 1}  # the second time it was not there to be lost
     assert state.faults() == ("the camera gives no pictures: nobody answers",)
+
+
+def test_a_calibrated_camera_is_described_with_its_model_and_publishes_it_with_each_picture() -> None:
+    thread = CameraThread("somewhere")
+    thread.driver.take((160, 120))
+    known = CameraCalibration(160, 120, 150.0, 151.0, 79.0, 60.0, (-0.2, 0.1, 0.01, 0.02, 0.0), 0.3)
+    settings = Settings(camera=CameraSettings(calibration=known))
+    adapter = CameraAdapter(RobotContext("happy", cast(Any, None), settings, cast(Any, None)), thread)
+    messages = dict(adapter.messages(PictureTaken(JPEG, 160, 120), 1_500_000_000))
+    info = decode(keys.CAMERA_INFO.type_name, encode(messages[keys.CAMERA_INFO]))
+    assert (info.width, info.height, info.distortion_model) == (160, 120, "plumb_bob")
+    assert info.header.stamp == cast(Any, messages[keys.CAMERA]).header.stamp
+    assert info.d.tolist() == list(known.distortion)
+    assert info.k.reshape(3, 3).tolist() == [[150.0, 0.0, 79.0], [0.0, 151.0, 60.0], [0.0, 0.0, 1.0]]
+    assert info.p.reshape(3, 4)[:, :3].tolist() == info.k.reshape(3, 3).tolist()
+    assert info.r.reshape(3, 3).tolist() == np.eye(3).tolist()
+    model = PinholeModel.from_dict(adapter.describe()["model"])
+    assert model == PinholeModel(160, 120, 150.0, 151.0, 79.0, 60.0, *known.distortion)
+    assert [topic for topic, _ in adapter.messages(PictureTaken(JPEG, 320, 240), 0)] == [keys.CAMERA]
 
 
 def test_face_publishes_the_jpeg_and_describes_its_size() -> None:

@@ -9,26 +9,9 @@ import numpy as np
 from agents.components.component import known
 from agents.components.vision.image_tools import ImageTools, described
 from vision.blobs import Blob
-from vision.camera_model import PinholeModel
+from vision.camera_model import PinholeModel, camera_model
 from vision.colours import ColourTable
 from vision.image import Image
-
-
-def camera_model(properties: Mapping[str, Any], width: int, height: int) -> PinholeModel | None:
-    """Return the model of a camera for images of a size; None if it is not known.
-
-    Args:
-        properties: Of its agent: `model`, as `PinholeModel.to_dict` returns it, or `field_of_view`, rad.
-        width, height: px.
-    Raises:
-        VisionError: They describe no camera.
-    """
-    match properties:
-        case {"model": dict(model)}:
-            return PinholeModel.from_dict(model).scaled(width, height)
-        case {"field_of_view": int(angle) | float(angle)}:
-            return PinholeModel.from_field_of_view(width, height, angle)
-    return None
 
 
 class ColourTools(ImageTools):

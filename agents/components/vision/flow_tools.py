@@ -9,10 +9,9 @@ import cv2
 import numpy as np
 
 from agents.components.component import known
-from agents.components.vision.colour_tools import camera_model
 from agents.components.vision.flow_inputs import GAP, CameraMotion, FlowOptions
 from agents.components.vision.image_tools import ImageTools
-from vision.camera_model import PinholeModel
+from vision.camera_model import PinholeModel, camera_model
 from vision.contact import WIDTH, ContactEstimator, ContactParameters
 from vision.flow import FlowGeometry, dense_flow, sparse_flow, yaw_vector
 from vision.image import Floats, Image, Pixels, VisionError, grey_pixels

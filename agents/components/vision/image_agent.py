@@ -56,12 +56,16 @@ class ImageAgent(ElementAgent, Generic[Tools]):
 
     @classmethod
     def properties_of(cls, robot: Mapping[str, Any], element: Mapping[str, Any]) -> dict[str, Any]:
-        """Return size, px, and field of view, rad, of the camera or its head; None where they are not known."""
+        """Return size, px, and field of view, rad, of the camera or its head; None where they are not known.
+
+        A calibrated camera has a `model` as well.
+        """
         about = {"size": element.get("size"), "emulated": robot.get("emulated")}
         about |= {"robot_model": robot.get("model"), "robot_class": robot.get("class")}
         heads = [row for row in robot["elements"] if isinstance(row, dict) and row.get("name") == "ptz"]
         angles = (row.get("field_of_view") for row in (element, *heads))
-        return {**about, "field_of_view": next((angle for angle in angles if angle is not None), None)}
+        about["field_of_view"] = next((angle for angle in angles if angle is not None), None)
+        return about if element.get("model") is None else {**about, "model": element["model"]}
 
     def load_tools(self) -> Tools:
         """Return what does the work; called once, in the agent's thread."""

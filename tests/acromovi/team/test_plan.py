@@ -1,5 +1,6 @@
 """From a team's file to the processes that make it up."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -8,7 +9,9 @@ from acromovi.team.identities import TeamOptions
 from acromovi.team.plan import ProcessKind, TeamPlan, TeamProcesses
 from bus import KeyNotValid
 from configs import ConfigError
+from configs.camera_calibration import CameraCalibration
 from gateway.__main__ import parse_arguments
+from gateway.settings import load_settings
 
 DWARFS = """\
 link = "rs232"
@@ -113,6 +116,21 @@ def test_gateway_of_a_real_robot_is_told_what_the_file_says_and_not_that_it_is_e
     assert "--radio" in command
     assert "--wait" in command
     assert "--config" not in command
+
+
+def test_gateway_of_a_robot_with_a_calibrated_camera_reads_it_from_settings_of_its_own(
+    file: Path, tmp_path: Path
+) -> None:
+    known = CameraCalibration(160, 120, 150.0, 151.0, 79.0, 60.0, (-0.2, 0.1, 0.01, 0.02, 0.0), 0.3)
+    team = TeamPlan.load(str(file))
+    robots = tuple(replace(robot, camera_calibration=known) for robot in team.robots)
+    plan = TeamProcesses(replace(team, file=replace(team.file, robots=robots)), TeamOptions(), tmp_path)
+    plan.write_settings()
+    for robot, is_emulated in (robots[0], True), (robots[2], None):
+        config = options(plan.gateway(robot, {"port": "x"}).command)["--config"]
+        settings = load_settings(Path(config))
+        assert (settings.camera.calibration, settings.emulated) == (known, is_emulated)
+    assert load_settings(tmp_path / "emulated.toml").camera.calibration is None
 
 
 def test_containers_are_those_of_each_robot_and_one_of_the_team(file: Path, tmp_path: Path) -> None:

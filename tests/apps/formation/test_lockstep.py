@@ -4,7 +4,9 @@ import statistics
 
 from apps.formation.settings import FormationSettings
 from benchmarks.formation import placed
-from benchmarks.formation_course import FormationCourse, figure_of_eight
+from benchmarks.formation_course import FormationCourse, figure_of_eight, follow_line, straight
+from benchmarks.formation_sight import SightCourse
+from geometry import Pose2D
 from p2os_emu.world import load_world
 
 SETTINGS = FormationSettings.load()
@@ -29,3 +31,13 @@ def test_followers_keep_near_their_points_and_the_same_seed_gives_the_same_drive
         assert statistics.fmean(errors[20:60]) < 0.1
         assert errors[-1] < 0.15
         assert first.track.poses[name][:20] == again.track.poses[name]
+
+
+def test_a_follower_keeps_its_point_by_sight_alone() -> None:
+    starts = placed(Pose2D(), "column", 1, SETTINGS.by_sight)
+    with SightCourse(load_world("empty"), starts, "column", SETTINGS, seed=3) as course:
+        course.drive = follow_line(straight((0, 0), (9, 0)), 0.25)
+        course.run(8.0)
+        errors = course.track.errors("doc")
+        assert course.touches() == []
+    assert statistics.fmean(errors[30:]) < 0.2

@@ -117,6 +117,10 @@ def test_as_an_agent_it_answers_requests(team: RunningTeam, tmp_path: Path) -> N
         (["leader=happy", "followers=doc", "drive=[[1,2,3]]"], "drive is a list of waypoints [x, y] in m"),
         (["leader=happy", "followers=doc", "settings=none.toml"], "none.toml"),
         (["leader=happy", "followers=doc", "picture=none/at/all.svg"], "cannot be written"),
+        (["leader=happy", "followers=doc", "film=drive.avi"], "name a .gif or .mp4 file in a folder that exists"),
+        (["leader=happy", "followers=doc", "poses=gps"], "poses must be odometry or sight, not 'gps'"),
+        (["leader=happy", "followers=doc", "poses=sight", "drive=[[1,2]]"], "drive the leader by other means"),
+        (["leader=happy", "followers=doc", "poses=sight"], "doc has no camera"),
         (["leader=happy", "followers=doc", "shap=line"], "does not take 'shap' (did you mean shape?)"),
     ],
 )

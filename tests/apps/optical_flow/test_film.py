@@ -1,13 +1,8 @@
-"""Frames and films, looked at frame by frame."""
+"""Frames, looked at pixel by pixel."""
 
-from pathlib import Path
-
-import cv2
 import numpy as np
-import pytest
-from PIL import Image
 
-from apps.optical_flow.film import GRAPH, HEIGHT, TEXT, WIDTH, FilmWriter, bar_heights, draw_frame
+from apps.optical_flow.film import GRAPH, HEIGHT, TEXT, WIDTH, bar_heights, draw_frame
 from tests.apps.optical_flow.toy import columns
 
 RATES = np.array([0.5, 0.25, 0.0, np.nan])
@@ -42,28 +37,3 @@ def test_the_graph_has_a_bar_for_each_column_that_is_higher_the_nearer_it_is() -
     reds = [int((graph[:, middle] == (47, 56, 181)).all(axis=1).sum()) for middle in middles]
     assert reds == [near, 0, 0, 0]
     assert (graph[-3, middles[3]] == 150).all()
-
-
-@pytest.mark.parametrize("ending", ["gif", "mp4"])
-def test_a_film_has_the_frames_that_it_was_given(tmp_path: Path, ending: str) -> None:
-    writer = FilmWriter(tmp_path / f"flow.{ending}", 3)
-    levels = (40, 120, 200, 250)
-    for level in levels:
-        writer.add(draw_frame(np.full_like(IMAGE, level), columns(0.0, RATES), (), f"level {level}"))
-    assert writer.close() == 3
-    if ending == "gif":
-        with Image.open(writer.file) as film:
-            found = []
-            for number in range(film.n_frames):  # type: ignore[attr-defined]  # of GIFs; the stubs have it on no image
-                film.seek(number)
-                found.append(np.asarray(film.convert("RGB"))[:HEIGHT])
-    else:
-        video = cv2.VideoCapture(str(writer.file))
-        found = [image[:HEIGHT] for ok, image in (video.read() for _ in range(4)) if ok]
-    assert [round(float(each.mean()), -1) for each in found] == list(levels[:3])
-
-
-def test_without_frames_there_is_no_film(tmp_path: Path) -> None:
-    writer = FilmWriter(tmp_path / "flow.gif", 3)
-    assert writer.close() == 0
-    assert not writer.file.exists()

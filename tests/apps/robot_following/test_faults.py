@@ -48,7 +48,7 @@ class Drive:
     """A follower that moves as its cycle says, and whose camera sees what a function of its pose and of time draws."""
 
     see: Callable[[Pose2D, float], bytes | None]
-    cycle: FollowingCycle = field(default_factory=lambda: FollowingCycle(SETTINGS, CAMERA.view))
+    cycle: FollowingCycle = field(default_factory=lambda: FollowingCycle(SETTINGS, {"field_of_view": CAMERA.view}))
     pose: Pose2D = field(default_factory=Pose2D)
     twist: Twist2D = field(default_factory=Twist2D)
     time: float = 0.0
@@ -185,14 +185,14 @@ def test_a_second_target_beside_its_leader_does_not_distract_it() -> None:
 
 
 def test_a_head_that_does_not_answer_makes_pictures_useless() -> None:
-    drive = Drive(LEADER, FollowingCycle(SETTINGS, CAMERA.view, 1.5))
+    drive = Drive(LEADER, FollowingCycle(SETTINGS, {"field_of_view": CAMERA.view}, 1.5))
     drive.run(1.0)
     assert drive.way == 0.0
     assert "since the head of the camera has not reported" in drive.cycle.words
 
 
 def test_a_picture_waits_until_it_is_known_where_the_head_looked() -> None:
-    cycle = FollowingCycle(SETTINGS, CAMERA.view, 1.5)
+    cycle = FollowingCycle(SETTINGS, {"field_of_view": CAMERA.view}, 1.5)
     cycle.take_odometry(1.0, Pose2D(), Twist2D())
     cycle.take_head(1.0, 0.0, 0.0, is_moving=True)
     cycle.take_picture(1.05, LEADER(Pose2D(), 1.0))

@@ -15,6 +15,7 @@ from agents.platform import Agent, Container
 from agents.platform.virtual_time import VirtualTimeLoop
 from bus import MemoryBus, Subscription, keys
 from tests.waiting import run
+from vision.camera_model import PinholeModel, camera_model
 
 STATE = {"chains": {"light": [[{"operation": "grey"}], False]}, "streams": {}}
 
@@ -91,6 +92,15 @@ def test_size_that_is_known_later_reaches_the_agents(robot: CameraRobot) -> None
     robot.loop.run_for(11.0)
     assert robot.agents == before
     assert robot.agents["vision"].properties["size"] == [320, 240]
+
+
+def test_a_calibrated_camera_gives_its_model_to_the_agents_of_its_images(robot: CameraRobot) -> None:
+    model = PinholeModel(160, 120, 150.0, 151.0, 79.0, 60.0, -0.2).to_dict()
+    robot.row["model"] = model
+    robot.plug(True)
+    assert all(robot.agents[name].properties["model"] == model for name in ("colours", "flow"))
+    known = camera_model(robot.agents["flow"].properties, 320, 240)
+    assert known == PinholeModel.from_dict(model).scaled(320, 240)
 
 
 def test_field_of_view_is_that_of_the_head_where_the_camera_has_none_of_its_own(robot: CameraRobot) -> None:

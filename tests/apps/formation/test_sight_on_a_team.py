@@ -1,0 +1,73 @@
+"""A formation by sight as people run it: it drives behind a leader that it sees, and stops when it is lost."""
+
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+
+from tests.acromovi.team.running import ROOT, RunningTeam, running
+from tests.apps.film_frames import frames_of
+from tests.apps.on_a_team import application, wait_until_stand
+from tests.waiting import end_of
+
+TEAM = """\
+world = "empty"
+
+[[robots]]
+name = "happy"
+model = "p3dx-sh"
+fit = ["target"]
+at_m = [1.5, 0.0]
+
+[[robots]]
+name = "doc"
+model = "p3dx-sh"
+fit = ["camera:160x120@10", "ptz:vcc4"]
+at_m = [0.0, 0.0]
+"""
+LEAD = ("-m", "acromovi", "ask", "base@happy", "drive", "linear=0.2", "seconds=60", "--timeout", "90")
+
+
+@pytest.fixture(scope="module")
+def team(tmp_path_factory: pytest.TempPathFactory) -> Iterator[RunningTeam]:
+    file = tmp_path_factory.mktemp("team") / "pair.toml"
+    file.write_text(TEAM)
+    with running(str(file)) as team:
+        yield team
+
+
+@contextmanager
+def formation(team: RunningTeam, folder: Path) -> "Iterator[subprocess.Popen[str]]":
+    """Run the application behind a leader that another program drives, until the block ends."""
+    words = ["formation", "leader=happy", "followers=doc", "shape=column", "poses=sight", "film=drive.gif"]
+    with subprocess.Popen(
+        [sys.executable, *LEAD, "--bus", team.profile], cwd=ROOT, stdout=subprocess.DEVNULL
+    ) as leading:
+        try:
+            with application(team, folder, words, ["doc"]) as process:
+                yield process
+        finally:
+            leading.kill()
+    wait_until_stand(team, ["happy"])
+
+
+@pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGSTOP], ids=["killed", "frozen"])
+def test_the_follower_stops_when_the_application_is_lost(
+    team: RunningTeam, tmp_path: Path, how: signal.Signals
+) -> None:
+    with formation(team, tmp_path) as process:
+        process.send_signal(how)
+        wait_until_stand(team, ["doc"])
+
+
+def test_it_ends_with_a_summary_and_a_film(team: RunningTeam, tmp_path: Path) -> None:
+    with formation(team, tmp_path) as process:
+        process.send_signal(signal.SIGINT)
+        out, _ = end_of(process)
+        assert "cm from its point" in out
+        assert "see drive.gif" in out
+    assert len(frames_of(tmp_path / "drive.gif")) > 1
