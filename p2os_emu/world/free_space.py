@@ -6,7 +6,7 @@ the box as both their radii together.
 
 from collections.abc import Iterable, Sequence
 from itertools import pairwise
-from math import atan2, cos, pi, sin
+from math import atan2, cos, inf, pi, sin
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,15 +27,17 @@ _ROUNDING = 1e-6  # m
 class FreeSpace:
     """Free space for a disc."""
 
-    def __init__(self, spec: WorldSpec, radius: float, shut: Iterable[str] = ()) -> None:
+    def __init__(self, spec: WorldSpec, radius: float, shut: Iterable[str] = (), *, height: float = inf) -> None:
         """Prepare a world as it begins, without people.
 
         Args:
             spec: Walls, furniture, drops and objects are in the way; of moving doors only the ones that are shut.
             radius: Of the disc, m.
             shut: Names of moving doors.
+            height: Of the robot that the disc stands for, m; it passes below blocks that begin higher. Without it, all
+                blocks are in the way.
         """
-        boxes = [_box(block) for block in (*spec.walls, *spec.furniture, *spec.drops)]
+        boxes = [_box(block) for block in (*spec.walls, *spec.furniture, *spec.drops) if block.bottom < height]
         boxes += [_object_box(movable) for movable in spec.objects]
         shut = set(shut)
         boxes += [_leaf_box(door) for door in spec.moving_doors if door.name in shut]

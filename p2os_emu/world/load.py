@@ -7,7 +7,8 @@ from geometry import MapError, read_map
 from p2os_emu.world.aria_map import MOST_WALLS, world_of
 from p2os_emu.world.errors import WorldError
 from p2os_emu.world.floor_plan import PREFIX, floor_plan
-from p2os_emu.world.spec import WorldFile, WorldSpec
+from p2os_emu.world.spec import WorldSpec
+from p2os_emu.world.world_file import WorldFile
 
 
 def load_world(name: str | Path) -> WorldSpec:

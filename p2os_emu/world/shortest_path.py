@@ -7,7 +7,7 @@ corner. What it finds is at most a few centimetres longer than the truth for eac
 from collections.abc import Sequence
 from heapq import heappop, heappush
 from itertools import pairwise
-from math import dist
+from math import dist, inf
 from typing import NamedTuple
 
 import numpy as np
@@ -30,7 +30,7 @@ class Path(NamedTuple):
 
 
 def shortest_path(
-    spec: WorldSpec, start: Point, goal: Point, radius: float, *, shut: Sequence[str] = ()
+    spec: WorldSpec, start: Point, goal: Point, radius: float, *, shut: Sequence[str] = (), height: float = inf
 ) -> Path | None:
     """Find the shortest way for a disc.
 
@@ -39,10 +39,11 @@ def shortest_path(
         start, goal: Where its middle begins and ends, m.
         radius: Of the disc, m.
         shut: Names of moving doors that are.
+        height: Of the robot that the disc stands for, m; it passes below blocks that begin higher.
     Returns:
         None where there is no way, or where the disc does not fit an end.
     """
-    return path_in(FreeSpace(spec, radius, shut), start, goal)
+    return path_in(FreeSpace(spec, radius, shut, height=height), start, goal)
 
 
 def path_in(space: FreeSpace, start: Point, goal: Point) -> Path | None:
