@@ -11,7 +11,7 @@ from math import atan2, cos, inf, pi, sin
 import numpy as np
 from numpy.typing import NDArray
 
-from geometry import Point
+from geometry import Point, Pose2D
 from p2os_emu.world.movable import Movable, Shape
 from p2os_emu.world.moving_doors import LEAF_THICKNESS, MovingDoor
 from p2os_emu.world.spec import Block, WorldSpec
@@ -37,7 +37,7 @@ class FreeSpace:
             height: Of the robot that the disc stands for, m; it passes below blocks that begin higher. Without it, all
                 blocks are in the way.
         """
-        boxes = [_box(block) for block in (*spec.walls, *spec.furniture, *spec.drops) if block.bottom < height]
+        boxes = [_box(block) for block in _uncovered([*spec.walls, *spec.furniture, *spec.drops], height)]
         boxes += [_object_box(movable) for movable in spec.objects]
         shut = set(shut)
         boxes += [_leaf_box(door) for door in spec.moving_doors if door.name in shut]
@@ -95,6 +95,23 @@ class FreeSpace:
                     )
         everywhere = np.concatenate(corners)
         return everywhere[self.are_free(everywhere)]
+
+
+def _uncovered(blocks: Sequence[Block], height: float) -> list[Block]:
+    """The blocks that a robot of some height meets, without those that lie below another of them: legs of tables."""
+    met = [block for block in blocks if block.bottom < height]
+    tops = [block for block in met if block.bottom > 0.0]
+    return [block for block in met if not any(_covers(top, block) for top in tops)]
+
+
+def _covers(top: Block, block: Block) -> bool:
+    if top is block or abs(top.x - block.x) + abs(top.y - block.y) > top.length + top.width:
+        return False
+    pose = Pose2D(top.x, top.y, top.heading)
+    half_x, half_y = top.length / 2 + _ROUNDING, top.width / 2 + _ROUNDING
+    corners = [pose.locate(x, y) for x, y in block.footprint]
+    is_same = all(abs(abs(x) - half_x) < 2 * _ROUNDING and abs(abs(y) - half_y) < 2 * _ROUNDING for x, y in corners)
+    return not is_same and all(abs(x) <= half_x and abs(y) <= half_y for x, y in corners)
 
 
 def _box(block: Block) -> tuple[float, ...]:

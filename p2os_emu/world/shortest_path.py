@@ -81,7 +81,9 @@ def are_connected(space: FreeSpace, places: Sequence[Point]) -> bool:
     queue = [0]
     is_new[0] = False
     while queue and is_new[: len(places)].any():
-        here = nodes[queue.pop()]
+        missing = nodes[: len(places)][is_new[: len(places)]]
+        x, y = nodes[queue, :, np.newaxis].transpose(1, 0, 2) - missing.T[:, np.newaxis]
+        here = nodes[queue.pop(int(np.hypot(x, y).min(axis=1).argmin()))]  # the nearest to a place that is missing
         unknown = np.flatnonzero(is_new)
         found = unknown[space.reachable((here[0], here[1]), nodes[unknown])]
         is_new[found] = False
