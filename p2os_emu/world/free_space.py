@@ -22,6 +22,7 @@ Bools = NDArray[np.bool_]
 TURNS = 3
 """Vertices of the line that goes round a corner of 90 degrees: at 0.4 m, it is 1.5 cm longer than the true arc."""
 _ROUNDING = 1e-6  # m
+_UNKNOWN = -1
 
 
 class FreeSpace:
@@ -46,6 +47,7 @@ class FreeSpace:
         self._margins = table[:, 5] + radius
         self._reaches = np.hypot(*self._halves.T) + self._margins
         self._cosines, self._sines = np.cos(table[:, 2]), np.sin(table[:, 2])
+        self._known: dict[int, NDArray[np.int8]] = {}
         self.corners = self._free_corners()
         """Where shortest ways turn: round the corners of everything, m, shape (n, 2)."""
 
@@ -62,13 +64,37 @@ class FreeSpace:
 
     def reachable(self, start: Point, ends: Floats) -> Bools:
         """Tell to which of many places the disc can go straight from a start where it is free."""
+        ways, boxes = self._near_ways(start, ends)
         ax, ay = self._local(np.array([start]))
-        bx, by = self._local(ends)
-        ways, boxes = np.nonzero(_to_point(-ax, -ay, bx - ax, by - ay) < self._reaches)  # the others are far away
-        bx, by = bx[ways, boxes], by[ways, boxes]
+        x, y = (ends[ways] - self._middles[boxes]).T
+        cosines, sines = self._cosines[boxes], self._sines[boxes]
+        bx, by = cosines * x + sines * y, cosines * y - sines * x
         distances = _distances(ax[0, boxes], ay[0, boxes], bx, by, self._halves[boxes])
         free = np.ones(len(ends), np.bool_)
         free[ways[distances < self._margins[boxes] - _ROUNDING]] = False
+        return free
+
+    def _near_ways(self, start: Point, ends: Floats) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        """Straight ways and boxes that may meet: pairs of indices."""
+        steps = ends - start
+        lengths = np.maximum(np.hypot(*steps.T), 1e-12)
+        steps = steps / lengths[:, np.newaxis]
+        to_boxes = self._middles - start
+        reaches = self._reaches + _ROUNDING
+        along = steps @ to_boxes.T
+        beside = np.abs(steps @ np.stack((to_boxes[:, 1], -to_boxes[:, 0])))
+        near = (beside < reaches) & (along > -reaches) & (along < lengths[:, np.newaxis] + reaches)
+        ways, boxes = np.nonzero(near)
+        return ways, boxes
+
+    def reachable_corners(self, corner: int, others: NDArray[np.int64]) -> Bools:
+        """Tell which of many corners the disc can reach straight from a corner; remembered."""
+        known = self._known.setdefault(corner, np.full(len(self.corners), _UNKNOWN, np.int8))
+        unknown = others[known[others] == _UNKNOWN]
+        if len(unknown):
+            x, y = self.corners[corner]
+            known[unknown] = self.reachable((x, y), self.corners[unknown])
+        free: Bools = known[others] == 1
         return free
 
     def has_way(self, points: Sequence[Point]) -> bool:

@@ -66,10 +66,22 @@ def path_in(space: FreeSpace, start: Point, goal: Point) -> Path | None:
         is_open[here] = False
         through = lengths[here] + np.hypot(*(places - places[here]).T)
         better = np.flatnonzero(is_open & (through < lengths))
-        for near in better[space.reachable(tuple(places[here]), places[better])]:
+        for near in better[_reached(space, places, here, better)]:
             lengths[near], before[near] = through[near], here
             heappush(queue, (through[near] + to_goal[near], int(near)))
     return None
+
+
+def _reached(space: FreeSpace, places: Floats, here: int, others: NDArray[np.int64]) -> NDArray[np.bool_]:
+    """Tell which places can be reached straight from one of them: start (0), goal (1), and then the corners."""
+    if here == 0:
+        return space.reachable((places[0][0], places[0][1]), places[others])
+    reached = np.zeros(len(others), np.bool_)
+    are_corners = others > 1
+    reached[are_corners] = space.reachable_corners(here - 2, others[are_corners] - 2)
+    if not are_corners.all():
+        reached[~are_corners] = space.reachable((places[here][0], places[here][1]), places[1:2])
+    return reached
 
 
 def are_connected(space: FreeSpace, places: Sequence[Point]) -> bool:

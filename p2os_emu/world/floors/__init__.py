@@ -13,19 +13,19 @@ from p2os_emu.world.spec import WorldSpec
 _NAME = re.compile(r"(\w+):(?!.*\.(?:toml|map)$)(.*)", re.DOTALL)
 
 
-class Family(NamedTuple):
+class FloorFamily(NamedTuple):
     """Floors of one kind. about: a few words. make: makes the one of a seed."""
 
     about: str
     make: Callable[[int], WorldSpec]
 
 
-def _family(name: str, about: str, make: Callable[[str, Random], WorldSpec]) -> Family:
-    return Family(about, lambda seed: make(f"{name}:{seed}", Random(f"{name} {seed}")))
+def _family(name: str, about: str, make: Callable[[str, Random], WorldSpec]) -> FloorFamily:
+    return FloorFamily(about, lambda seed: make(f"{name}:{seed}", Random(f"{name} {seed}")))
 
 
-FAMILIES: Mapping[str, Family] = {
-    "plan": Family(plan.ABOUT, plan.floor_plan),
+FAMILIES: Mapping[str, FloorFamily] = {
+    "plan": FloorFamily(plan.ABOUT, plan.floor_plan),
     **{
         name: _family(name, module.ABOUT, module.make)
         for name, module in (

@@ -38,7 +38,7 @@ _FRAME = 0.08  # m, edge of the posts at a door in glass
 _TRIES = 30
 
 
-class Door(Enum):
+class DoorKind(Enum):
     """How two rooms are connected: a gap, a leaf that slides into the wall, one that stands ajar, or no wall at all."""
 
     GAP = "gap"
@@ -176,7 +176,7 @@ class Building:
             raise WorldError(f"floor {self._name!r} has rooms without neighbours")
         return chosen
 
-    def connect(self, sides: Sequence[Side], doors: Sequence[Door], tight: float) -> None:
+    def connect(self, sides: Sequence[Side], doors: Sequence[DoorKind], tight: float) -> None:
         """Put a door into each of some borders; all doors of one room, chosen by chance, are tight.
 
         Args:
@@ -190,21 +190,21 @@ class Building:
         chosen = self.random.choice([room for room in rooms if degrees[id(room)] == least])
         for side in sides:
             is_tight = chosen in (side.one, side.other) or self.random.random() < tight
-            kind = self.random.choice([door for door in doors if not (is_tight and door is Door.NO_WALL)])
+            kind = self.random.choice([door for door in doors if not (is_tight and door is DoorKind.NO_WALL)])
             self.add_door(side, kind, self.random.uniform(*(TIGHT if is_tight else WIDE)))
 
-    def add_door(self, side: Side, kind: Door, clearance: float) -> None:
+    def add_door(self, side: Side, kind: DoorKind, clearance: float) -> None:
         """Put a door into a border; where a leaf finds no room, it becomes a gap."""
         assert side.other is not None
-        if kind is Door.NO_WALL:
+        if kind is DoorKind.NO_WALL:
             side.has_wall = False
             self._note(side, side.length / 2, side.length / 2)
             return
         width = 2 * (HALF_WIDTH + min(clearance, side.length / 2 - _DOOR_MARGIN - HALF_WIDTH - WALL_THICKNESS / 2))
-        if kind is Door.AJAR and self._leave_ajar(side, width):
+        if kind is DoorKind.AJAR and self._leave_ajar(side, width):
             return
         turned = self.random.random() < 0.5  # the leaf is at the far end
-        leaf = width if kind is Door.LEAF and side.length >= 2 * (width + _DOOR_MARGIN) else 0.0
+        leaf = width if kind is DoorKind.LEAF and side.length >= 2 * (width + _DOOR_MARGIN) else 0.0
         low, high = _DOOR_MARGIN + (0.0 if turned else leaf), _DOOR_MARGIN + (leaf if turned else 0.0)
         begin = self.random.uniform(low, max(low, side.length - width - high))
         side.gaps.append((begin, width))

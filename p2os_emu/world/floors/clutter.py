@@ -3,7 +3,7 @@
 from itertools import pairwise
 from random import Random
 
-from p2os_emu.world.floors.building import Building, Door, cuts
+from p2os_emu.world.floors.building import Building, DoorKind, cuts
 from p2os_emu.world.floors.furnishing import CLUTTER, chest, cupboard, dining, furnish
 from p2os_emu.world.spec import WorldSpec
 
@@ -29,7 +29,7 @@ def make(name: str, random: Random) -> WorldSpec:
     sides = building.neighbours(1.4)
     tree = building.tree(sides)
     more = [side for side in sides if side not in tree and random.random() < _SECOND_DOORS]
-    building.connect([*tree, *more], (Door.LEAF, Door.GAP, Door.AJAR), _TIGHT)
+    building.connect([*tree, *more], (DoorKind.LEAF, DoorKind.GAP, DoorKind.AJAR), _TIGHT)
     for room in building.rooms:
         furnish(building, room, (cupboard, chest), (dining, *CLUTTER), (1, random.randint(*_PIECES)))
     return building.spec()

@@ -3,7 +3,7 @@
 from itertools import pairwise
 from random import Random
 
-from p2os_emu.world.floors.building import Building, Door, cuts
+from p2os_emu.world.floors.building import Building, DoorKind, cuts
 from p2os_emu.world.floors.furnishing import ANYWHERE, AT_WALLS_OF_OFFICES, box, furnish, plant
 from p2os_emu.world.spec import WorldSpec
 
@@ -33,11 +33,11 @@ def make(name: str, random: Random) -> WorldSpec:
         building.add_box(f"room-{number}", *sizes)
     corner = building.between(along, up)
     assert corner is not None
-    building.add_door(corner, Door.NO_WALL, 0.0)
+    building.add_door(corner, DoorKind.NO_WALL, 0.0)
     sides = [side for side in building.neighbours(1.4) if side is not corner]
     one_each = {id(side.other): side for side in sides if side.one.is_passage}.values()
     behind = [side for side in sides if not side.one.is_passage and random.random() < _DOORS_BETWEEN]
-    building.connect([*one_each, *behind], (Door.AJAR, Door.AJAR, Door.LEAF), _TIGHT)
+    building.connect([*one_each, *behind], (DoorKind.AJAR, DoorKind.AJAR, DoorKind.LEAF), _TIGHT)
     for corridor in (along, up):
         furnish(building, corridor, (plant, box), (box,), (random.randint(1, 2), 0))
     for room in building.rooms[2:]:

@@ -2,7 +2,7 @@
 
 from random import Random
 
-from p2os_emu.world.floors.building import Building, Door, cuts
+from p2os_emu.world.floors.building import Building, DoorKind, cuts
 from p2os_emu.world.floors.furnishing import box, chest, furnish, plant, stool
 from p2os_emu.world.spec import WorldSpec
 
@@ -34,7 +34,7 @@ def make(name: str, random: Random) -> WorldSpec:
             building.rename(room, f"corridor-{passages}")
             if passages % _PASSAGES_PER_PLACE:
                 room.places = {}
-    building.connect(tree, (Door.GAP, Door.GAP, Door.NO_WALL), _TIGHT)
+    building.connect(tree, (DoorKind.GAP, DoorKind.GAP, DoorKind.NO_WALL), _TIGHT)
     for room in building.rooms:
         furnish(building, room, (chest, box, plant), (box, stool), (random.randint(0, 1), random.randint(0, 1)))
     return building.spec()

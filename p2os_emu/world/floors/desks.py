@@ -5,7 +5,7 @@ from math import pi
 from random import Random
 
 from geometry import Pose2D
-from p2os_emu.world.floors.building import HALF_WIDTH, TIGHT, WIDE, Building, Door, cuts
+from p2os_emu.world.floors.building import HALF_WIDTH, TIGHT, WIDE, Building, DoorKind, cuts
 from p2os_emu.world.floors.furnishing import ANYWHERE, AT_WALLS_OF_OFFICES, Piece, chair, dining, furnish, plant, table
 from p2os_emu.world.spec import WALL_THICKNESS, Block, WorldSpec
 
@@ -44,7 +44,7 @@ def make(name: str, random: Random) -> WorldSpec:
     top = height + random.uniform(*_ROOM_DEPTHS)
     for number, (a, b) in enumerate(pairwise(cuts(random, 0.0, width, random.choice((2, 3)))), 1):
         building.add_box(f"room-{number}", a, b, height, top)
-    building.connect(building.neighbours(1.4), (Door.LEAF, Door.GAP), _TIGHT)
+    building.connect(building.neighbours(1.4), (DoorKind.LEAF, DoorKind.GAP), _TIGHT)
     for middle in middles:
         for begin, count in zip((south[0], north[0]), desks, strict=True):
             for number in range(count):

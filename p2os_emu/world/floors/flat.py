@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from random import Random
 
-from p2os_emu.world.floors.building import Building, Door
+from p2os_emu.world.floors.building import Building, DoorKind
 from p2os_emu.world.floors.furnishing import ANYWHERE, AT_WALLS_OF_HOMES, dining, furnish
 from p2os_emu.world.spec import WorldSpec
 
@@ -35,7 +35,7 @@ def make(name: str, random: Random) -> WorldSpec:
     sides = building.neighbours(1.3)
     tree = building.tree(sides)
     more = [side for side in sides if side not in tree and random.random() < _SECOND_DOORS]
-    building.connect([*tree, *more], (Door.LEAF, Door.LEAF, Door.GAP, Door.AJAR), _TIGHT)
+    building.connect([*tree, *more], (DoorKind.LEAF, DoorKind.LEAF, DoorKind.GAP, DoorKind.AJAR), _TIGHT)
     for room in building.rooms:
         inside = (dining, *ANYWHERE) if room.is_passage else ANYWHERE
         furnish(building, room, AT_WALLS_OF_HOMES, inside, (random.randint(2, 4), random.randint(0, 2)))

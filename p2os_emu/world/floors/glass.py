@@ -3,7 +3,7 @@
 from itertools import pairwise
 from random import Random
 
-from p2os_emu.world.floors.building import Building, Door, cuts
+from p2os_emu.world.floors.building import Building, DoorKind, cuts
 from p2os_emu.world.floors.furnishing import ANYWHERE, AT_WALLS_OF_OFFICES, furnish, plant
 from p2os_emu.world.spec import WorldSpec
 
@@ -39,7 +39,7 @@ def make(name: str, random: Random) -> WorldSpec:
             to_aisle.append(side)
         elif random.random() < _DOORS_BETWEEN:
             doors.append(side)
-    building.connect([*to_aisle, *doors], (Door.GAP,), _TIGHT)
+    building.connect([*to_aisle, *doors], (DoorKind.GAP,), _TIGHT)
     ends = {"corridor-west": (1.1, south + aisle / 2), "corridor-east": (length - 1.1, south + aisle / 2)}
     corridor.places |= ends
     furnish(building, corridor, (plant,), (), (random.randint(0, 2), 0))

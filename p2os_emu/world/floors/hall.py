@@ -3,7 +3,7 @@
 from itertools import pairwise
 from random import Random
 
-from p2os_emu.world.floors.building import Building, Door, cuts
+from p2os_emu.world.floors.building import Building, DoorKind, cuts
 from p2os_emu.world.floors.furnishing import ANYWHERE, AT_WALLS_OF_OFFICES, chest, furnish, plant, small_table
 from p2os_emu.world.spec import WorldSpec
 
@@ -33,7 +33,7 @@ def make(name: str, random: Random) -> WorldSpec:
     to_hall = [side for side in building.neighbours(1.4) if hall in (side.one, side.other)]
     others = [side for side in building.neighbours(2.0) if hall not in (side.one, side.other)]
     chosen = [side for side in others if random.random() < _DOORS_BETWEEN]
-    building.connect([*to_hall, *chosen], (Door.LEAF, Door.LEAF, Door.AJAR), _TIGHT)
+    building.connect([*to_hall, *chosen], (DoorKind.LEAF, DoorKind.LEAF, DoorKind.AJAR), _TIGHT)
     furnish(building, hall, (plant, chest), (small_table, plant, chest), (2, random.randint(2, 4)))
     for room in building.rooms[1:]:
         furnish(building, room, AT_WALLS_OF_OFFICES, ANYWHERE, (random.randint(2, 4), random.randint(0, 2)))

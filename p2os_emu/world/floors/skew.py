@@ -5,7 +5,7 @@ from math import atan2, cos, pi, sin
 from random import Random
 
 from geometry import Point, wrap_angle
-from p2os_emu.world.floors.building import Building, Door, cuts
+from p2os_emu.world.floors.building import Building, DoorKind, cuts
 from p2os_emu.world.floors.furnishing import ANYWHERE, AT_WALLS_OF_HOMES, AT_WALLS_OF_OFFICES, furnish
 from p2os_emu.world.spec import WorldSpec
 
@@ -31,7 +31,7 @@ def make(name: str, random: Random) -> WorldSpec:
     sides = building.neighbours(1.5)
     tree = building.tree(sides)
     more = [side for side in sides if side not in tree and random.random() < _DOORS_ROUND]
-    building.connect([*tree, *more], (Door.LEAF, Door.GAP, Door.AJAR), _TIGHT)
+    building.connect([*tree, *more], (DoorKind.LEAF, DoorKind.GAP, DoorKind.AJAR), _TIGHT)
     for room in building.rooms:
         kinds = random.choice((AT_WALLS_OF_HOMES, AT_WALLS_OF_OFFICES))
         furnish(building, room, kinds, ANYWHERE, (random.randint(2, 3), random.randint(0, 2)))

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from itertools import pairwise
 from random import Random
 
-from p2os_emu.world.floors.building import HALF_WIDTH, TIGHT, WIDE, Building, Door, cuts
+from p2os_emu.world.floors.building import HALF_WIDTH, TIGHT, WIDE, Building, DoorKind, cuts
 from p2os_emu.world.floors.furnishing import AT_WALLS_OF_OFFICES, box, furnish
 from p2os_emu.world.spec import Block, WorldSpec
 
@@ -48,7 +48,7 @@ def make(name: str, random: Random) -> WorldSpec:
     begin = -random.uniform(*_ROOM_DEPTHS)
     for number, (a, b) in enumerate(pairwise(cuts(random, 0.0, top, 2)), 1):
         building.add_box(f"office-{number}", begin, 0.0, a, b)
-    building.connect(building.neighbours(1.4), (Door.LEAF, Door.GAP), _TIGHT)
+    building.connect(building.neighbours(1.4), (DoorKind.LEAF, DoorKind.GAP), _TIGHT)
     for low, high in rows:
         left_out = random.randrange(1, bays - 2) if random.random() < _NICHES else bays
         for first, last in ((0, left_out), (left_out + 2, bays)):
