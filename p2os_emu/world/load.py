@@ -6,7 +6,7 @@ import configs
 from geometry import MapError, read_map
 from p2os_emu.world.aria_map import MOST_WALLS, world_of
 from p2os_emu.world.errors import WorldError
-from p2os_emu.world.floors import floor
+from p2os_emu.world.floors import FAMILIES, floor
 from p2os_emu.world.spec import WorldSpec
 from p2os_emu.world.world_file import WorldFile
 
@@ -22,6 +22,8 @@ def load_world(name: str | Path) -> WorldSpec:
     """
     if (made_up := floor(str(name))) is not None:
         return made_up
+    if str(name) in FAMILIES:
+        raise WorldError(f"{name} is a family of floors: write a whole number behind it, as in {name}:7")
     try:
         path = configs.find("worlds", str(name))
         if path.suffix == ".map":

@@ -17,6 +17,8 @@ from geometry import Point
 from p2os_emu.world.free_space import Floats, FreeSpace
 from p2os_emu.world.spec import WorldSpec
 
+_NO_PART = -1
+
 
 class Path(NamedTuple):
     """A way: its corners, m, with both ends."""
@@ -85,22 +87,32 @@ def _reached(space: FreeSpace, places: Floats, here: int, others: NDArray[np.int
 
 
 def are_connected(space: FreeSpace, places: Sequence[Point]) -> bool:
-    """Return whether a disc gets from every place to every other."""
+    """Return whether a disc gets from every place to every other.
+
+    From each place the search spreads to a part of the space, until all parts have met or one can grow no more.
+    """
     if not all(space.is_free(place) for place in places):
         return False
     nodes = np.concatenate((np.array(places), space.corners))
-    is_new = np.ones(len(nodes), np.bool_)
-    queue = [0]
-    is_new[0] = False
-    while queue and is_new[: len(places)].any():
-        missing = nodes[: len(places)][is_new[: len(places)]]
+    parts = np.full(len(nodes), _NO_PART)
+    parts[: len(places)] = np.arange(len(places))
+    queues = {number: [number] for number in range(len(places))}
+    while len(queues) > 1:
+        number = min(queues, key=lambda each: (np.count_nonzero(parts == each), each))  # a closet is soon known
+        queue = queues[number]
+        if not queue:
+            return False
+        missing = nodes[: len(places)][parts[: len(places)] != number]
         x, y = nodes[queue, :, np.newaxis].transpose(1, 0, 2) - missing.T[:, np.newaxis]
-        here = nodes[queue.pop(int(np.hypot(x, y).min(axis=1).argmin()))]  # the nearest to a place that is missing
-        unknown = np.flatnonzero(is_new)
-        found = unknown[space.reachable((here[0], here[1]), nodes[unknown])]
-        is_new[found] = False
-        queue += found.tolist()
-    return not is_new[: len(places)].any()
+        here = nodes[queue.pop(int(np.hypot(x, y).min(axis=1).argmin()))]  # the nearest to a place of another part
+        others = np.flatnonzero(parts != number)
+        found = others[space.reachable((here[0], here[1]), nodes[others])]
+        queue += found[parts[found] == _NO_PART].tolist()
+        for met in set(parts[found].tolist()) - {_NO_PART}:
+            queue += queues.pop(met)
+            parts[parts == met] = number
+        parts[found] = number
+    return True
 
 
 def _traced(places: Floats, before: NDArray[np.int64]) -> tuple[Point, ...]:

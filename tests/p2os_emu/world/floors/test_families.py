@@ -128,6 +128,11 @@ def test_a_floor_needs_a_whole_number(name: str) -> None:
         load_world(name)
 
 
+def test_a_family_without_a_number_is_told_what_is_missing() -> None:
+    with pytest.raises(WorldError, match="store is a family of floors: write a whole number behind it, as in store:7"):
+        load_world("store")
+
+
 def test_a_misspelt_family_gets_a_suggestion() -> None:
     with pytest.raises(WorldError, match="there is no family of floors 'corridor'; did you mean corridors"):
         load_world("corridor:7")
