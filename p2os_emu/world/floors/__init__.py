@@ -8,8 +8,12 @@ from typing import NamedTuple
 from p2os_emu.hints import nearest
 from p2os_emu.world.errors import WorldError
 from p2os_emu.world.floors import clutter, corridors, culs, desks, flat, glass, hall, plan, skew, store
+from p2os_emu.world.floors.building import PASSING
+from p2os_emu.world.free_space import FreeSpace
+from p2os_emu.world.shortest_path import are_connected
 from p2os_emu.world.spec import WorldSpec
 
+_TRIES = 20
 _NAME = re.compile(r"(\w+):(?!.*\.(?:toml|map)$)(.*)", re.DOTALL)
 
 
@@ -21,7 +25,16 @@ class FloorFamily(NamedTuple):
 
 
 def _family(name: str, about: str, make: Callable[[str, Random], WorldSpec]) -> FloorFamily:
-    return FloorFamily(about, lambda seed: make(f"{name}:{seed}", Random(f"{name} {seed}")))
+    """A family whose floors are checked: one with a place that robots cannot reach is made anew."""
+
+    def make_passable(seed: int) -> WorldSpec:
+        tries = (make(f"{name}:{seed}", Random(f"{name} {seed} {number}")) for number in range(_TRIES))
+        for spec in tries:
+            if are_connected(FreeSpace(spec, PASSING), list(spec.places.values())):
+                return spec
+        raise WorldError(f"no floor {name}:{seed} was found that a robot can pass; choose another seed")
+
+    return FloorFamily(about, make_passable)
 
 
 FAMILIES: Mapping[str, FloorFamily] = {

@@ -34,6 +34,7 @@ PASSAGE = "corridor"
 _DOOR_MARGIN = 0.2  # m between a door and a corner
 _POST_MARGIN = 0.7  # m on the free side of a door that stands ajar, where robots turn
 _AJAR = (0.87, 1.4)  # rad between a wall and the leaf of a door that stands ajar
+_MOST_AJAR = 1.1  # m that such a door leaves free
 _FRAME = 0.08  # m, edge of the posts at a door in glass
 _TRIES = 30
 
@@ -223,6 +224,7 @@ class Building:
         """Hang a leaf that stands ajar and leaves so much, m; return False where there is no room for it."""
         assert side.other is not None
         angle = self.random.uniform(*_AJAR)
+        clear = min(clear, _MOST_AJAR)
         width = (clear + LEAF_THICKNESS) / sin(angle)
         turned, inward = self.random.random() < 0.5, self.random.choice((1, -1))
         room = side.one if inward > 0 else side.other
@@ -231,6 +233,9 @@ class Building:
             return False
         begin = self.random.uniform(low, side.length - width - high)
         hinge, sense = (begin + width, -1) if turned else (begin, 1)
+        behind = side.at(hinge + sense * cos(angle) * width, inward * (sin(angle) * width + 2 * PASSING))
+        if room.depth_of(behind) < WALL_THICKNESS:
+            return False
         middle = side.at(hinge + sense * cos(angle) * width / 2, inward * sin(angle) * width / 2)
         heading = _heading(side.at(hinge), middle)
         leaf = Block(
