@@ -10,7 +10,7 @@ ABOUT = "branching corridors with dead ends"
 
 _COLUMNS, _ROWS = (4, 5), (3, 4)
 _CELL = (2.3, 2.9)  # m, on average
-_PASSAGES_PER_PLACE = 3
+_PASSAGES_PER_PLACE = 2
 _TIGHT = 0.35
 
 
