@@ -14,7 +14,7 @@ ABOUT = "rooms without right angles"
 _COLUMNS, _ROWS = 3, 3
 _CELL = (4.0, 4.8)  # m, on average
 _SHIFT = 0.6  # m, of each corner
-_LEAST_SKEW = 0.05  # rad between every corner and a right angle
+_LEAST_SKEW = 0.02  # rad between every corner and a right angle
 _DOORS_ROUND = 0.3  # of the borders that need no door
 _TIGHT = 0.3
 
