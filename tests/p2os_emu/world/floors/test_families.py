@@ -58,10 +58,10 @@ def test_a_floor_has_places_to_go_to_and_passages_and_a_size_of_buildings(name: 
 
 
 @ONE_EACH
-def test_shortest_ways_lead_from_the_first_place_to_all_others(name: str) -> None:
+def test_a_shortest_way_leads_from_the_first_place_to_the_last(name: str) -> None:
     spec = floor(name)
-    first, *others = spec.places.values()
-    assert all(shortest_path(spec, first, other, PASSING) for other in others[:2])
+    first, *_, last = spec.places.values()
+    assert shortest_path(spec, first, last, PASSING)
 
 
 @ONE_EACH
@@ -85,8 +85,8 @@ def test_a_powerbot_can_stand_and_turn_at_every_start(name: str) -> None:
             world.place("robot", replace(start, heading=start.heading + pi / 2))
 
 
-@pytest.mark.parametrize("family", ["flat", "store"])
-def test_people_and_obstacles_find_room_on_narrow_floors(family: str) -> None:
+@pytest.mark.parametrize("family", ["flat"])
+def test_people_and_obstacles_find_room_on_a_narrow_floor(family: str) -> None:
     spec = with_obstacles(with_people(floor(f"{family}:0"), 2, 2), 2, 1)
     assert (len(spec.people), len(spec.objects)) == (2, 1)
     assert are_connected(FreeSpace(spec, PASSING), list(spec.places.values()))
