@@ -63,6 +63,7 @@ class RobotModel:
     front_bumpers, rear_bumpers: segments fitted, 0 for none. sonar: discs that exist, rising numbers.
     request_io_packets: clients ask for IOpac by themselves. flash: what the controller starts from.
     power_ports: SETPBIOPORT switches power outputs. parts: accessory to the variant that goes onto this robot.
+    height: of a robot that is much higher than its hull, 0 for the others.
     """
 
     name: str
@@ -94,6 +95,7 @@ class RobotModel:
     full_name: str = ""
     power_ports: bool = False
     parts: Mapping[str, str] = field(default_factory=dict, hash=False)
+    height: float = 0.0
 
     @property
     def laser(self) -> LaserMount:
@@ -145,6 +147,7 @@ class RobotModel:
             full_name=row.text("full_name") if row.has("full_name") else row.text("name"),
             power_ports=row.flag("power_ports") if row.has("power_ports") else False,
             parts=row.table("parts").texts(),
+            height=row.number("height_m") if row.has("height_m") else 0.0,
         )
         row.finish()
         return model

@@ -8,6 +8,7 @@ from p2os import RobotModel
 from p2os_emu.faults.board import FAULTS
 from p2os_emu.fit import PARTS, REMOVABLE
 from p2os_emu.links.line import LinkProfile
+from p2os_emu.world.floors import FAMILIES
 
 Row = tuple[str, str]
 
@@ -53,7 +54,8 @@ def _worlds() -> Iterator[Row]:
         path = configs.find("worlds", name)
         about = configs.read(path).get("about", "") if path.suffix == ".toml" else "ARIA map"
         yield name, str(about)
-    yield "plan:SEED", "rooms along a corridor, made up by a whole number"
+    for name, family in FAMILIES.items():
+        yield f"{name}:SEED", f"{family.about}, generated from a whole number"
 
 
 def _links() -> Iterator[Row]:

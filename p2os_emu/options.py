@@ -200,8 +200,8 @@ def _add_team(parser: argparse.ArgumentParser) -> None:
         "--world",
         dest="world",
         metavar="NAME|FILE",
-        help="set the world: a name, a .toml or .map file, or plan:SEED for a random floor plan "
-        f"[{WORLD}; {EMPTY_WORLD} for --check]",
+        help="set the world: a name, a .toml or .map file, or FAMILY:SEED for a generated floor, as hall:7; "
+        f"--list-worlds shows them [{WORLD}; {EMPTY_WORLD} for --check]",
     )
     group.add_argument(
         "--as-simulator",

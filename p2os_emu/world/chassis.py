@@ -71,6 +71,7 @@ class Chassis:
     """One robot's machine: lengths in m, masses in kg, torques of one motor in N m; x = 0 is the axle.
 
     overhang: how far accessories stick out ahead of the hull.
+    height: of the highest part above the floor; what is above the hull has the outline of the hull.
     """
 
     front: float
@@ -81,10 +82,13 @@ class Chassis:
     mass: float
     imperfections: Imperfections
     overhang: float = 0.0
+    height: float = HULL_TOP
 
     @classmethod
-    def of(cls, model: RobotModel, imperfections: Imperfections, overhang: float = 0.0) -> "Chassis":
-        """Derive a chassis from a model, and from how far its accessories stick out ahead, m."""
+    def of(
+        cls, model: RobotModel, imperfections: Imperfections, overhang: float = 0.0, height: float = HULL_TOP
+    ) -> "Chassis":
+        """Derive a chassis from a model, from how far its accessories stick out ahead, and from its height, m."""
         return cls(
             front=model.length_front,
             rear=model.length_rear,
@@ -94,6 +98,7 @@ class Chassis:
             mass=model.mass,
             imperfections=imperfections,
             overhang=overhang,
+            height=max(HULL_TOP, height),
         )
 
     @property

@@ -41,15 +41,18 @@ class Group(IntFlag):
     WHEEL = 16
     OBJECT = 32
     OBJECT_FLOOR = 64
+    GLASS = 128
 
 
-SEEN_BY_RAYS = int(Group.BLOCK | Group.HULL | Group.OBJECT)
+SEEN_BY_LIGHT = int(Group.BLOCK | Group.HULL | Group.OBJECT)
+HEARD_BY_SONAR = SEEN_BY_LIGHT | int(Group.GLASS)
 _TOUCHES = {
     Group.FLOOR: Group.HULL | Group.WHEEL,  # of a hull only the casters reach down
     Group.BLOCK: Group.RAY | Group.HULL | Group.OBJECT,
-    Group.HULL: Group.RAY | Group.FLOOR | Group.BLOCK | Group.HULL | Group.OBJECT,
+    Group.GLASS: Group.RAY | Group.HULL | Group.OBJECT,
+    Group.HULL: Group.RAY | Group.FLOOR | Group.BLOCK | Group.GLASS | Group.HULL | Group.OBJECT,
     Group.WHEEL: Group.FLOOR,
-    Group.OBJECT: Group.RAY | Group.BLOCK | Group.HULL | Group.OBJECT | Group.OBJECT_FLOOR,
+    Group.OBJECT: Group.RAY | Group.BLOCK | Group.GLASS | Group.HULL | Group.OBJECT | Group.OBJECT_FLOOR,
     Group.OBJECT_FLOOR: Group.OBJECT,
 }
 
@@ -83,12 +86,12 @@ def build_blocks(client: PhysicsClient, blocks: Iterable[Block]) -> list[int]:
         body = client.createMultiBody(
             0.0,
             shape,
-            basePosition=[block.x, block.y, block.height / 2],
+            basePosition=[block.x, block.y, block.bottom + block.height / 2],
             baseOrientation=upright(block.heading),
             useMaximalCoordinates=True,  # a plain rigid body: nothing of it is looked at in a step
         )
         client.changeDynamics(body, HULL, lateralFriction=WALL_FRICTION)
-        _join(client, body, HULL, Group.BLOCK)
+        _join(client, body, HULL, Group.GLASS if block.glass else Group.BLOCK)
         bodies.append(body)
     return bodies
 
@@ -238,16 +241,18 @@ def heading_of(quaternion: Sequence[float]) -> float:
 
 
 def _hull_shape(client: PhysicsClient, chassis: Chassis) -> int:
-    """A box and the two casters under it, as one shape."""
-    half = [(chassis.front + chassis.rear) / 2, chassis.width / 2, (HULL_TOP - HULL_BOTTOM) / 2]
-    middle = ((chassis.front - chassis.rear) / 2, 0.0, (HULL_TOP + HULL_BOTTOM) / 2)
+    """A box, what a tall robot carries on it, and the two casters under it, as one shape."""
+    spans = [(HULL_BOTTOM, HULL_TOP), *([(HULL_TOP, chassis.height)] if chassis.height > HULL_TOP else [])]
+    length, middle = chassis.front + chassis.rear, (chassis.front - chassis.rear) / 2
+    halves = [[length / 2, chassis.width / 2, (top - bottom) / 2] for bottom, top in spans]
+    middles = [(middle, 0.0, (top + bottom) / 2) for bottom, top in spans]
     ends = (chassis.front, -chassis.rear)
     casters = [(CASTER_REACH * end, 0.0, CASTER_RADIUS + CASTER_GAP) for end in ends]
     shape: int = client.createCollisionShapeArray(
-        shapeTypes=[engine.GEOM_BOX, engine.GEOM_SPHERE, engine.GEOM_SPHERE],
-        halfExtents=[half] * 3,
-        radii=[CASTER_RADIUS] * 3,
-        collisionFramePositions=[_from_mass(*place) for place in (middle, *casters)],
+        shapeTypes=[*[engine.GEOM_BOX] * len(spans), engine.GEOM_SPHERE, engine.GEOM_SPHERE],
+        halfExtents=[*halves, *halves[:1] * 2],
+        radii=[CASTER_RADIUS] * (len(spans) + 2),
+        collisionFramePositions=[_from_mass(*place) for place in (*middles, *casters)],
     )
     return shape
 

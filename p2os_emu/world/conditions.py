@@ -20,6 +20,8 @@ from p2os_emu.world.spec import WorldSpec
 
 RADIUS = 0.42
 """m, of the disc that still gets everywhere: wider than any robot, and less than a door of 0.9 m."""
+NARROW = 0.4
+"""Likewise in worlds that are too narrow for that one before anything is put there."""
 WALKING_RADIUS = BODY_RADIUS + 0.15
 """m that the middle of somebody who walks keeps from walls."""
 WAYS = 12
@@ -46,7 +48,7 @@ CLOTHES = ("blue", "green", "orange", "purple", "teal", "pink", "red", "yellow")
 
 
 def with_obstacles(
-    spec: WorldSpec, seed: int, count: int, *, radius: float = RADIUS, keep_clear: Sequence[Point] = ()
+    spec: WorldSpec, seed: int, count: int, *, radius: float | None = None, keep_clear: Sequence[Point] = ()
 ) -> WorldSpec:
     """Put boxes and cylinders into a world; places and starts keep room to turn, and people their routes.
 
@@ -54,14 +56,17 @@ def with_obstacles(
         spec: A world with two named places or more.
         seed: Of where they stand and how large they are.
         count: How many.
-        radius: Of the disc for which all places and starts stay within reach of each other, m.
+        radius: Of the disc for which all places and starts stay within reach of each other, m: `RADIUS` or, where they
+            are not for that one, `NARROW`.
         keep_clear: Further points with room to turn, m.
     Raises:
         WorldError: The world has no named places, or there is no room for so many.
     """
     random = Random(f"{seed} obstacles {spec.name}")
-    ways = _ways(spec, random, radius)
     reached = [*spec.places.values(), *((start.x, start.y) for start in spec.starts)]
+    if radius is None:
+        radius = RADIUS if are_connected(FreeSpace(spec, RADIUS), reached) else NARROW
+    ways = _ways(spec, random, radius)
     clear = [*reached, *keep_clear, *(_middle(door) for door in spec.moving_doors)]
     for number in range(1, count + 1):
         candidates = (_obstacle(f"obstacle {number}", random.choice(ways), random) for _ in range(TRIES))

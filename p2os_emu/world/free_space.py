@@ -6,12 +6,12 @@ the box as both their radii together.
 
 from collections.abc import Iterable, Sequence
 from itertools import pairwise
-from math import atan2, cos, pi, sin
+from math import atan2, cos, inf, pi, sin
 
 import numpy as np
 from numpy.typing import NDArray
 
-from geometry import Point
+from geometry import Point, Pose2D
 from p2os_emu.world.movable import Movable, Shape
 from p2os_emu.world.moving_doors import LEAF_THICKNESS, MovingDoor
 from p2os_emu.world.spec import Block, WorldSpec
@@ -22,20 +22,23 @@ Bools = NDArray[np.bool_]
 TURNS = 3
 """Vertices of the line that goes round a corner of 90 degrees: at 0.4 m, it is 1.5 cm longer than the true arc."""
 _ROUNDING = 1e-6  # m
+_UNKNOWN = -1
 
 
 class FreeSpace:
     """Free space for a disc."""
 
-    def __init__(self, spec: WorldSpec, radius: float, shut: Iterable[str] = ()) -> None:
+    def __init__(self, spec: WorldSpec, radius: float, shut: Iterable[str] = (), *, height: float = inf) -> None:
         """Prepare a world as it begins, without people.
 
         Args:
             spec: Walls, furniture, drops and objects are in the way; of moving doors only the ones that are shut.
             radius: Of the disc, m.
             shut: Names of moving doors.
+            height: Of the robot that the disc stands for, m; it passes below blocks that begin higher. Without it, all
+                blocks are in the way.
         """
-        boxes = [_box(block) for block in (*spec.walls, *spec.furniture, *spec.drops)]
+        boxes = [_box(block) for block in _uncovered([*spec.walls, *spec.furniture, *spec.drops], height)]
         boxes += [_object_box(movable) for movable in spec.objects]
         shut = set(shut)
         boxes += [_leaf_box(door) for door in spec.moving_doors if door.name in shut]
@@ -44,6 +47,7 @@ class FreeSpace:
         self._margins = table[:, 5] + radius
         self._reaches = np.hypot(*self._halves.T) + self._margins
         self._cosines, self._sines = np.cos(table[:, 2]), np.sin(table[:, 2])
+        self._known: dict[int, NDArray[np.int8]] = {}
         self.corners = self._free_corners()
         """Where shortest ways turn: round the corners of everything, m, shape (n, 2)."""
 
@@ -60,13 +64,37 @@ class FreeSpace:
 
     def reachable(self, start: Point, ends: Floats) -> Bools:
         """Tell to which of many places the disc can go straight from a start where it is free."""
+        ways, boxes = self._near_ways(start, ends)
         ax, ay = self._local(np.array([start]))
-        bx, by = self._local(ends)
-        ways, boxes = np.nonzero(_to_point(-ax, -ay, bx - ax, by - ay) < self._reaches)  # the others are far away
-        bx, by = bx[ways, boxes], by[ways, boxes]
+        x, y = (ends[ways] - self._middles[boxes]).T
+        cosines, sines = self._cosines[boxes], self._sines[boxes]
+        bx, by = cosines * x + sines * y, cosines * y - sines * x
         distances = _distances(ax[0, boxes], ay[0, boxes], bx, by, self._halves[boxes])
         free = np.ones(len(ends), np.bool_)
         free[ways[distances < self._margins[boxes] - _ROUNDING]] = False
+        return free
+
+    def _near_ways(self, start: Point, ends: Floats) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        """Straight ways and boxes that may meet: pairs of indices."""
+        steps = ends - start
+        lengths = np.maximum(np.hypot(*steps.T), 1e-12)
+        steps = steps / lengths[:, np.newaxis]
+        to_boxes = self._middles - start
+        reaches = self._reaches + _ROUNDING
+        along = steps @ to_boxes.T
+        beside = np.abs(steps @ np.stack((to_boxes[:, 1], -to_boxes[:, 0])))
+        near = (beside < reaches) & (along > -reaches) & (along < lengths[:, np.newaxis] + reaches)
+        ways, boxes = np.nonzero(near)
+        return ways, boxes
+
+    def reachable_corners(self, corner: int, others: NDArray[np.int64]) -> Bools:
+        """Tell which of many corners the disc can reach straight from a corner; remembered."""
+        known = self._known.setdefault(corner, np.full(len(self.corners), _UNKNOWN, np.int8))
+        unknown = others[known[others] == _UNKNOWN]
+        if len(unknown):
+            x, y = self.corners[corner]
+            known[unknown] = self.reachable((x, y), self.corners[unknown])
+        free: Bools = known[others] == 1
         return free
 
     def has_way(self, points: Sequence[Point]) -> bool:
@@ -93,6 +121,23 @@ class FreeSpace:
                     )
         everywhere = np.concatenate(corners)
         return everywhere[self.are_free(everywhere)]
+
+
+def _uncovered(blocks: Sequence[Block], height: float) -> list[Block]:
+    """The blocks that a robot of some height meets, without those that lie below another of them: legs of tables."""
+    met = [block for block in blocks if block.bottom < height]
+    tops = [block for block in met if block.bottom > 0.0]
+    return [block for block in met if not any(_covers(top, block) for top in tops)]
+
+
+def _covers(top: Block, block: Block) -> bool:
+    if top is block or abs(top.x - block.x) + abs(top.y - block.y) > top.length + top.width:
+        return False
+    pose = Pose2D(top.x, top.y, top.heading)
+    half_x, half_y = top.length / 2 + _ROUNDING, top.width / 2 + _ROUNDING
+    corners = [pose.locate(x, y) for x, y in block.footprint]
+    is_same = all(abs(abs(x) - half_x) < 2 * _ROUNDING and abs(abs(y) - half_y) < 2 * _ROUNDING for x, y in corners)
+    return not is_same and all(abs(x) <= half_x and abs(y) <= half_y for x, y in corners)
 
 
 def _box(block: Block) -> tuple[float, ...]:

@@ -13,7 +13,7 @@ from typing import Any
 from p2os_emu.body import GripperMechanismState
 from p2os_emu.gripper_model import GripperModel
 from p2os_emu.world.chassis import Chassis
-from p2os_emu.world.collision import HULL, SEEN_BY_RAYS, heading_of
+from p2os_emu.world.collision import HULL, SEEN_BY_LIGHT, heading_of
 from p2os_emu.world.engine import STEP, PhysicsClient, engine
 from p2os_emu.world.links import BodyLink, Joint
 from p2os_emu.world.objects import Objects
@@ -280,7 +280,7 @@ class RobotGripper:
             places = (self._in_world(origin, orientation, beam + CARRIAGE / 2, y) for y in ends)
             starts.append(next(places))
             stops.append(next(places))
-        hits = self._client.rayTestBatch(starts, stops, numThreads=1, collisionFilterMask=SEEN_BY_RAYS)
+        hits = self._client.rayTestBatch(starts, stops, numThreads=1, collisionFilterMask=SEEN_BY_LIGHT)
         outer, inner = (body not in (NOTHING, self._body) for body, *_ in hits)
         return outer, inner
 

@@ -10,7 +10,7 @@ from geometry import Pose2D
 from p2os.robot_model import ACTIVE_LOW, InfraredSensor, RobotModel
 from p2os.sip import OPEN_INPUTS
 from p2os_emu.world.chassis import HULL_TOP, Chassis
-from p2os_emu.world.collision import SEEN_BY_RAYS
+from p2os_emu.world.collision import SEEN_BY_LIGHT
 from p2os_emu.world.engine import STEP, PhysicsClient
 from p2os_emu.world.rays import Place
 
@@ -59,7 +59,7 @@ class InfraredRays:
         for (x, y, z), (end_x, end_y, end_z) in self._rays:
             starts.append((*pose.transform(x, y), z))
             ends.append((*pose.transform(end_x, end_y), end_z))
-        hits = self._client.rayTestBatch(starts, ends, numThreads=1, collisionFilterMask=SEEN_BY_RAYS)
+        hits = self._client.rayTestBatch(starts, ends, numThreads=1, collisionFilterMask=SEEN_BY_LIGHT)
         levels = OPEN_INPUTS
         for sensor, (body, *_) in zip(self._sensors, hits, strict=True):
             triggered = body >= 0 and body != self._body

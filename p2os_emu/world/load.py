@@ -6,21 +6,24 @@ import configs
 from geometry import MapError, read_map
 from p2os_emu.world.aria_map import MOST_WALLS, world_of
 from p2os_emu.world.errors import WorldError
-from p2os_emu.world.floor_plan import PREFIX, floor_plan
-from p2os_emu.world.spec import WorldFile, WorldSpec
+from p2os_emu.world.floors import FAMILIES, floor
+from p2os_emu.world.spec import WorldSpec
+from p2os_emu.world.world_file import WorldFile
 
 
 def load_world(name: str | Path) -> WorldSpec:
     """Load a world.
 
     Args:
-        name: Of a world in `configs/worlds` ("office"), the path of a `.toml` or `.map` file, or "plan:7" for a floor
-            plan made up by the seed 7.
+        name: Of a world in `configs/worlds` ("office"), the path of a `.toml` or `.map` file, or of a floor made up by
+            a seed: "plan:7", "hall:7" and the other families of `p2os_emu.world.floors`.
     Raises:
         WorldError: there is no such world, or its file has an error; says which file, where and why.
     """
-    if str(name).startswith(PREFIX):
-        return floor_plan(_seed(str(name).removeprefix(PREFIX)))
+    if (made_up := floor(str(name))) is not None:
+        return made_up
+    if str(name) in FAMILIES:
+        raise WorldError(f"{name} is a family of floors: write a whole number behind it, as in {name}:7")
     try:
         path = configs.find("worlds", str(name))
         if path.suffix == ".map":
@@ -32,10 +35,3 @@ def load_world(name: str | Path) -> WorldSpec:
     if (count := len(spec.walls) + len(spec.furniture)) > MOST_WALLS:
         raise WorldError(f"{path}: {count} walls and pieces of furniture are too many; use at most {MOST_WALLS}")
     return spec
-
-
-def _seed(text: str) -> int:
-    try:
-        return int(text)
-    except ValueError:
-        raise WorldError(f"{PREFIX}{text} is no floor plan: write a whole number, as in {PREFIX}7") from None

@@ -37,6 +37,7 @@ NOSE = 0.06  # m, edge of the light in front
 HEAD = 0.24  # m, height of one
 SHEET = 0.001  # m, thickness of the coloured sheets of a target
 BACKING = 0.004  # m, of what they are glued on, which a viewer ahead of the robot sees
+_GLASS_RAIL = 0.04  # m, height of the rails that hold a pane of glass
 RAIL = 0.012  # m, of the frame that carries them
 SKIN: Colour = (0.80, 0.62, 0.50, 1.0)
 ROBOT_COLOURS = ("red", "blue", "orange", "green", "yellow", "purple", "teal", "pink")
@@ -79,6 +80,8 @@ def floor_look(spec: WorldSpec) -> Look:
 
 def wall_look(block: Block, texture: SurfaceTexture | None = None) -> Look:
     """A wall with a skirting board, seen from its middle."""
+    if block.glass:
+        return _pane_look(block)
     board = block.length + 2 * SKIRTING_DEPTH, block.width + 2 * SKIRTING_DEPTH, SKIRTING_HEIGHT
     place = 0.0, 0.0, (SKIRTING_HEIGHT - block.height) / 2
     return (*furniture_look(block, texture), ShapePart(Form.BOX, board, COLOURS["dark grey"], place))
@@ -86,8 +89,17 @@ def wall_look(block: Block, texture: SurfaceTexture | None = None) -> Look:
 
 def furniture_look(block: Block, texture: SurfaceTexture | None = None) -> Look:
     """A piece of furniture, seen from its middle."""
+    if block.glass:
+        return _pane_look(block)
     size = block.length, block.width, block.height
     return (ShapePart(Form.BOX, size, COLOURS[block.colour], texture=texture),)
+
+
+def _pane_look(block: Block) -> Look:
+    """The rails below and above a pane of glass, of which nothing else is seen."""
+    rail = block.length, block.width, min(_GLASS_RAIL, block.height / 2)
+    place = (block.height - rail[2]) / 2
+    return tuple(ShapePart(Form.BOX, rail, COLOURS["grey"], (0.0, 0.0, z)) for z in (-place, place))
 
 
 def movable_look(movable: Movable) -> Look:

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Iterator, Sequence
 from itertools import islice
-from math import hypot
+from math import hypot, inf
 
 from geometry import Point, Polygon, Pose2D, Segment, polygon_edges, polygons_overlap
 from p2os_emu.world.spec import Block
@@ -18,17 +18,20 @@ class Obstacles:
     def __init__(self, blocks: Iterable[Block]) -> None:
         self._blocks = [(block, polygon_edges(block.footprint)) for block in blocks]
 
-    def overlapping(self, footprint: Polygon) -> str:
-        """Return what a hull on this footprint would overlap, as text; empty where it is free."""
+    def overlapping(self, footprint: Polygon, height: float = inf) -> str:
+        """Return what a robot of some height (m) on this footprint would overlap, as text; empty where it is free."""
         x, y, reach = _circle(footprint)
-        near = ((block.name or "a wall", block.footprint) for block, _ in self._near(x, y, reach))
+        near = (
+            (block.name or "a wall", block.footprint) for block, _ in self._near(x, y, reach) if block.bottom < height
+        )
         return overlapping(footprint, near)
 
-    def leave_room(self, x: float, y: float, radius: float) -> bool:
-        """Return whether a circle is free of blocks."""
+    def leave_room(self, x: float, y: float, radius: float, height: float = inf) -> bool:
+        """Return whether a circle is free of blocks up to a height, m."""
         return not any(
             block.contains(x, y) or any(edge.distance_to(x, y) <= radius for edge in edges)
             for block, edges in self._near(x, y, radius)
+            if block.bottom < height
         )
 
     def hide(self, line: Segment) -> bool:
@@ -54,7 +57,11 @@ def overlapping(footprint: Polygon, others: Iterable[tuple[str, Polygon]]) -> st
 
 
 def free_pose(
-    starts: Sequence[Pose2D], obstacles: Obstacles, others: Sequence[tuple[float, float, float]], radius: float
+    starts: Sequence[Pose2D],
+    obstacles: Obstacles,
+    others: Sequence[tuple[float, float, float]],
+    radius: float,
+    height: float = inf,
 ) -> Pose2D | None:
     """Choose where a robot begins.
 
@@ -65,13 +72,14 @@ def free_pose(
         obstacles: What does not move.
         others: Circles that other robots need to turn: x, y, radius, m.
         radius: Of the circle that this robot needs to turn, m.
+        height: Of this robot, m; it can stand below what begins higher.
     Returns:
         The first place where the robot can turn without touching anything, or None.
     """
 
     def is_free(pose: Pose2D) -> bool:
         apart = all(hypot(pose.x - x, pose.y - y) > radius + r + CLEARANCE for x, y, r in others)
-        return apart and obstacles.leave_room(pose.x, pose.y, radius + CLEARANCE)
+        return apart and obstacles.leave_room(pose.x, pose.y, radius + CLEARANCE, height)
 
     for pose in starts:
         if is_free(pose):

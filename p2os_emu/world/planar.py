@@ -1,8 +1,9 @@
 """Rays in one plane above the floor, all at once: what planar sensors see, without asking the physics engine.
 
-The world is cut at the sensor's height. What is left are edges: those of blocks, prepared once, and those of robots and
-objects, as they stand at this step. Of these only the ones count that face the sensor, lie within its reach, and cross
-the sector of some beam; each such pair of beam and edge is one division.
+The world is cut at the sensor's height: what ends below it, begins above it or is made of glass is not seen. What is
+left are edges: those of blocks, prepared once, and those of robots and objects, as they stand at this step. Of these
+only the ones count that face the sensor, lie within its reach, and cross the sector of some beam; each such pair of
+beam and edge is one division.
 """
 
 from collections.abc import Callable, Iterable, Sequence
@@ -68,7 +69,11 @@ class PlanarScene:
     def _edges(self, height: float, own: str) -> Edges:
         still = self._still.get(height)
         if still is None:
-            cut = [(block.footprint, block.reflector, -1) for block in self._blocks if block.height >= height]
+            cut = [
+                (block.footprint, block.reflector, -1)
+                for block in self._blocks
+                if block.bottom <= height <= block.top and not block.glass
+            ]
             still = self._still[height] = _edges(cut)
         moving = self._moving()
         known, moved = self._cut.get(height, (None, still))

@@ -1,9 +1,9 @@
-"""Rays cast from one robot at everything else."""
+"""Rays of sound cast from one robot at everything else."""
 
 from collections.abc import Sequence
 from typing import Any
 
-from p2os_emu.world.collision import SEEN_BY_RAYS
+from p2os_emu.world.collision import HEARD_BY_SONAR
 from p2os_emu.world.engine import PhysicsClient
 
 _STEP_ON = 0.002  # of a ray
@@ -23,7 +23,7 @@ def cast(client: PhysicsClient, starts: Sequence[Place], ends: Sequence[Place], 
     """
     if not starts:
         return ()
-    hits: Sequence[Hit] = client.rayTestBatch(starts, ends, numThreads=1, collisionFilterMask=SEEN_BY_RAYS)
+    hits: Sequence[Hit] = client.rayTestBatch(starts, ends, numThreads=1, collisionFilterMask=HEARD_BY_SONAR)
     rays = zip(hits, starts, ends, strict=True)
     return [hit if hit[0] != own else _look_past(client, start, end, own) for hit, start, end in rays]
 

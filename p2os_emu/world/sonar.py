@@ -2,10 +2,15 @@
 
 A disc hears the nearest surface in its cone that throws the sound back: one met at a slant does not (a specular miss).
 A true disc is also a little noisy, and now and then hears a neighbour that fires at the same moment (cross-talk).
+
+The fan is level, so that a disc hears what crosses the plane of the discs. In a world with overhangs a disc has more
+rays, which rise within the cone: it hears the edge of a table at the distances where one of them meets it (a top 0.74 m
+above the floor from 2 m on) and no longer when the robot is near. No ray points down: what ends below the discs is not
+heard.
 """
 
 from collections.abc import Iterator, Sequence
-from math import cos, inf, radians, sin
+from math import cos, inf, radians, sin, sqrt
 from random import Random
 
 from geometry import Pose2D
@@ -17,6 +22,7 @@ MAX_RANGE = 5.0  # what the sound can travel there and back within the usual 40 
 MIN_RANGE = 0.1  # nearer surfaces read this much: the disc is still ringing
 HALF_BEAM = radians(15)
 RAYS = 7  # of a disc, 5 degrees apart
+ROWS = tuple(radians(rise) for rise in (3.75, 7.5, 11.25, 15.0))  # of rays that rise, in worlds with overhangs
 MAX_INCIDENCE = radians(55)  # between sound and surface normal; beyond, a smooth surface throws the sound away
 NOISE = 0.01  # standard deviation, of the range
 LEAST_NOISE = 0.005  # m
@@ -25,25 +31,33 @@ CROSS_TALK = 0.002  # chance that a ping hears a disc that fires with it
 # Rays start this far behind the disc, within the hull, so that a wall the robot touches is still in front of the ray.
 SETBACK = 0.06
 _LENGTH = SETBACK + MAX_RANGE
+_ROUNDING = 1e-9  # rad
 _LEAST_COSINE = cos(MAX_INCIDENCE)
 
 
 class SonarRays:
     """The discs of one robot: where their rays run, and what a disc makes of what its rays meet."""
 
-    def __init__(self, discs: Sequence[SonarDisc], random: Random | None) -> None:
-        """`random` draws noise and cross-talk; without it the sonar is perfect: the nearest surface in the cone."""
+    def __init__(self, discs: Sequence[SonarDisc], random: Random | None, *, has_overhangs: bool = False) -> None:
+        """Prepare the rays.
+
+        Args:
+            discs: Of the robot.
+            random: Draws noise and cross-talk; without it the sonar is perfect: the nearest surface in the cone.
+            has_overhangs: Something in the world begins above the floor.
+        """
         self._random = random
-        self._fans = {disc.number: tuple(_fan(disc)) for disc in discs}
+        rises = (0.0, *ROWS) if has_overhangs else (0.0,)
+        self._fans = {disc.number: tuple(ray for rise in rises for ray in _fan(disc, rise)) for disc in discs}
 
     def rays(self, numbers: Sequence[int], pose: Pose2D) -> tuple[list[Place], list[Place]]:
         """Starts and ends of the rays of discs, disc by disc, for a robot at a pose; m in the world."""
         x, y, c, s = pose.x, pose.y, cos(pose.heading), sin(pose.heading)
         starts, ends = [], []
         for number in numbers:
-            for start_x, start_y, end_x, end_y in self._fans.get(number, ()):
-                starts.append((x + c * start_x - s * start_y, y + s * start_x + c * start_y, HEIGHT))
-                ends.append((x + c * end_x - s * end_y, y + s * end_x + c * end_y, HEIGHT))
+            for (start_x, start_y, start_z), (end_x, end_y, end_z) in self._fans.get(number, ()):
+                starts.append((x + c * start_x - s * start_y, y + s * start_x + c * start_y, start_z))
+                ends.append((x + c * end_x - s * end_y, y + s * end_x + c * end_y, end_z))
         return starts, ends
 
     def hear(self, numbers: Sequence[int], ends: Sequence[Place], hits: Sequence[Hit]) -> list[float]:
@@ -73,7 +87,7 @@ class SonarRays:
         for end, (body, _, fraction, place, normal) in zip(ends, hits, strict=True):
             if body >= 0 and fraction < nearest:
                 left = _LENGTH * (1 - fraction)
-                facing = normal[0] * (place[0] - end[0]) + normal[1] * (place[1] - end[1])
+                facing = sum(normal[i] * (place[i] - end[i]) for i in range(3))
                 if self._random is None or facing >= _LEAST_COSINE * left:
                     nearest = fraction
         return nearest * _LENGTH - SETBACK
@@ -88,9 +102,16 @@ class SonarRays:
         return max(MIN_RANGE, range_)
 
 
-def _fan(disc: SonarDisc) -> Iterator[tuple[float, float, float, float]]:
-    """Starts and ends of a disc's rays in `base_link`: x, y, x, y."""
+def _fan(disc: SonarDisc, rise: float) -> Iterator[tuple[Place, Place]]:
+    """Starts and ends of those rays of a disc that rise by an angle, in `base_link`; the cone is round."""
+    half_row = sqrt(max(0.0, HALF_BEAM**2 - rise**2))
+    level = cos(rise)
     for i in range(RAYS):
         direction = disc.heading - HALF_BEAM + 2 * HALF_BEAM * i / (RAYS - 1)
-        c, s = cos(direction), sin(direction)
-        yield disc.x - SETBACK * c, disc.y - SETBACK * s, disc.x + MAX_RANGE * c, disc.y + MAX_RANGE * s
+        if abs(direction - disc.heading) > half_row + _ROUNDING:
+            continue
+        c, s, up = cos(direction) * level, sin(direction) * level, sin(rise)
+        yield (
+            (disc.x - SETBACK * c, disc.y - SETBACK * s, HEIGHT - SETBACK * up),
+            (disc.x + MAX_RANGE * c, disc.y + MAX_RANGE * s, HEIGHT + MAX_RANGE * up),
+        )

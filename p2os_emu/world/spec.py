@@ -4,33 +4,32 @@ A world comes from a `configs/worlds` file or from an ARIA `.map` file, and is a
 """
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import Protocol, TypeVar
 
 from geometry import Point, Polygon, Pose2D, Segment
 from p2os_emu.world.colours import check_colour
-from p2os_emu.world.errors import WorldError
 from p2os_emu.world.floor import Floor
 from p2os_emu.world.light import Light
-from p2os_emu.world.magnets import Magnet, MagnetEntry
-from p2os_emu.world.movable import Movable, ObjectEntry
-from p2os_emu.world.moving_doors import MovingDoor, MovingDoorEntry
-from p2os_emu.world.people import Person, PersonEntry
+from p2os_emu.world.magnets import Magnet
+from p2os_emu.world.movable import Movable
+from p2os_emu.world.moving_doors import MovingDoor
+from p2os_emu.world.people import Person
 from p2os_emu.world.textures import Textures
 
 WALL_THICKNESS = 0.1
 WALL_HEIGHT = 2.0
 WALL_COLOUR = "cream"
-FURNITURE_COLOUR = "brown"
 
 
 @dataclass(frozen=True, slots=True)
 class Block:
-    """A box on the floor that does not move: centre (m), heading of its length (rad), size (m).
+    """A box that does not move: centre (m), heading of its length (rad), size (m).
 
     reflector: it throws light back where it came from, as the marks do that scanners steer by.
     colour: one of `colours.COLOURS`.
+    bottom: m above the floor; the box reaches from there to `bottom` + `height`.
+    glass: light passes through it, so scanners, infrared sensors and cameras miss it; sonar hears it, robots touch it.
     """
 
     x: float
@@ -42,6 +41,13 @@ class Block:
     name: str = ""
     reflector: bool = False
     colour: str = WALL_COLOUR
+    bottom: float = 0.0
+    glass: bool = False
+
+    @property
+    def top(self) -> float:
+        """Height of the upper side above the floor, m."""
+        return self.bottom + self.height
 
     def contains(self, x: float, y: float) -> bool:
         """Return whether a point of the floor lies under the block."""
@@ -121,6 +127,7 @@ class WallEntry:
     doors: tuple[DoorEntry, ...] = ()
     reflector: bool = False
     colour: str = WALL_COLOUR
+    glass: bool = False
 
     def blocks(self) -> Iterator[Block]:
         """The wall cut at its doors; it reaches half its thickness beyond its ends, so that corners close."""
@@ -140,145 +147,4 @@ class WallEntry:
         heading = math.atan2(line.y2 - line.y1, line.x2 - line.x1)
         x, y = Pose2D(line.x1, line.y1, heading).transform((begin + end) / 2, 0.0)
         size = end - begin, self.thickness_m, self.height_m
-        return Block(x, y, heading, *size, self.name, self.reflector, self.colour)
-
-
-@dataclass(frozen=True, slots=True)
-class _FurnitureEntry:
-    """A box: centre, size (length, width, height) and heading of its length."""
-
-    at_m: tuple[float, float]
-    size_m: tuple[float, float, float]
-    name: str = ""
-    heading_deg: float = 0.0
-    reflector: bool = False
-    colour: str = FURNITURE_COLOUR
-
-    def block(self) -> Block:
-        """The box in SI."""
-        check_colour(self.colour)
-        if not min(self.size_m) > 0.0:
-            raise ValueError("length, width and height must be above 0 m")
-        return Block(*self.at_m, math.radians(self.heading_deg), *self.size_m, self.name, self.reflector, self.colour)
-
-
-@dataclass(frozen=True, slots=True)
-class _DropEntry:
-    """An area without floor: centre, size (length, width) and heading of its length."""
-
-    at_m: tuple[float, float]
-    size_m: tuple[float, float]
-    name: str = ""
-    heading_deg: float = 0.0
-
-    def block(self) -> Block:
-        """The area in SI."""
-        if not min(self.size_m) > 0.0:
-            raise ValueError("length and width must be above 0 m")
-        return Block(*self.at_m, math.radians(self.heading_deg), *self.size_m, 0.0, self.name)
-
-
-@dataclass(frozen=True, slots=True)
-class _StartEntry:
-    """Where a robot may begin."""
-
-    at_m: tuple[float, float]
-    heading_deg: float = 0.0
-
-
-@dataclass(frozen=True, slots=True)
-class WorldFile:
-    """A file of `configs/worlds`, key by key."""
-
-    about: str = ""
-    walls: tuple[WallEntry, ...] = ()
-    furniture: tuple[_FurnitureEntry, ...] = ()
-    objects: tuple[ObjectEntry, ...] = ()
-    drops: tuple[_DropEntry, ...] = ()
-    magnets: tuple[MagnetEntry, ...] = ()
-    floor: Floor = field(default_factory=Floor)
-    starts: tuple[_StartEntry, ...] = (_StartEntry((0.0, 0.0)),)
-    routes_m: Mapping[str, tuple[tuple[float, float], ...]] = field(default_factory=dict)
-    places_m: Mapping[str, tuple[float, float]] = field(default_factory=dict)
-    people: tuple[PersonEntry, ...] = ()
-    moving_doors: tuple[MovingDoorEntry, ...] = ()
-    textures: Textures = field(default_factory=Textures)
-    light: Light | None = None
-
-    def to_spec(self, name: str, source: str) -> WorldSpec:
-        """Turn the entries into a world.
-
-        Raises:
-            WorldError: an entry makes no sense; names file, entry and reason.
-        """
-        try:
-            walls = _made("walls", self.walls, lambda wall: tuple(wall.blocks()))
-            furniture = _made("furniture", self.furniture, _FurnitureEntry.block)
-            objects = _made("objects", self.objects, ObjectEntry.movable, apart=True)
-            drops = _made("drops", self.drops, _DropEntry.block)
-            people = _made("people", self.people, PersonEntry.person, apart=True)
-            moving_doors = _made("moving_doors", self.moving_doors, MovingDoorEntry.door, apart=True)
-        except ValueError as err:
-            raise WorldError(f"{source}: {err}") from err
-        try:
-            self.floor.check()
-        except ValueError as err:
-            raise WorldError(f"{source}: floor: {err}") from err
-        try:
-            if self.light is not None:
-                self.light.check()
-        except ValueError as err:
-            raise WorldError(f"{source}: light: {err}") from err
-        if not self.starts:
-            raise WorldError(f"{source}: starts must hold at least one place for a robot")
-        starts = tuple(Pose2D(*start.at_m, math.radians(start.heading_deg)) for start in self.starts)
-        return WorldSpec(
-            name,
-            self.about,
-            tuple(block for wall in walls for block in wall),
-            furniture,
-            starts,
-            self.routes_m,
-            objects=objects,
-            drops=drops,
-            magnets=tuple(magnet.magnet() for magnet in self.magnets),
-            floor=self.floor,
-            places=self.places_m,
-            people=people,
-            moving_doors=moving_doors,
-            textures=self.textures,
-            light=self.light,
-        )
-
-
-class _Named(Protocol):
-    @property
-    def name(self) -> str: ...
-
-
-E = TypeVar("E", bound=_Named)
-T = TypeVar("T")
-
-
-def _made(key: str, entries: Sequence[E], make: Callable[[E], T], *, apart: bool = False) -> tuple[T, ...]:
-    """What the entries under a key stand for.
-
-    Args:
-        key: In the file.
-        entries: Under it.
-        make: Makes one; raises ValueError where the entry makes no sense.
-        apart: No two may have one name.
-    Raises:
-        ValueError: With the place in the file.
-    """
-    made = []
-    names: set[str] = set()
-    for number, entry in enumerate(entries):
-        try:
-            if apart and entry.name in names:
-                raise ValueError("there is one of this name already; give each its own")
-            made.append(make(entry))
-        except ValueError as err:
-            raise ValueError(f"{key}[{number}] {entry.name}".strip() + f": {err}") from err
-        names.add(entry.name)
-    return tuple(made)
+        return Block(x, y, heading, *size, self.name, self.reflector, self.colour, glass=self.glass)

@@ -65,6 +65,7 @@ class World:
         self._seed = seed
         self._perfect = perfect
         self._obstacles = Obstacles((*spec.walls, *spec.furniture, *spec.drops))
+        self._has_overhangs = any(block.bottom > 0.0 for block in (*spec.walls, *spec.furniture))
         self._robots: dict[str, RobotBody] = {}
         self.rest_parked = True
         self._moving: tuple[MovingObject, ...] | None = None
@@ -116,7 +117,7 @@ class World:
         """Everything that may be elsewhere after the next step, where it is now: objects, robots, doors, people."""
         if self._moving is None:
             robots = (
-                MovingObject(name, robot.chassis.hull(robot.pose), HULL_BOTTOM, HULL_TOP)
+                MovingObject(name, robot.chassis.hull(robot.pose), HULL_BOTTOM, robot.chassis.height)
                 for name, robot in self._robots.items()
             )
             self._moving = (*self.objects.moving(), *robots, *self._bystanders.moving())
@@ -138,7 +139,9 @@ class World:
         random = None if self._perfect else Random(f"{self._seed} {name}")
         imperfections = Imperfections() if random is None else Imperfections.drawn(random)
         gripper = gripper_of(fit)
-        chassis = Chassis.of(model, imperfections, gripper.reach if gripper else 0.0)
+        # Where everything stands on the floor, the hull touches all that a column on it could touch.
+        height = model.height if self._has_overhangs else HULL_TOP
+        chassis = Chassis.of(model, imperfections, gripper.reach if gripper else 0.0, height)
         if pose is None:
             pose = self._free_pose(name, chassis)
         else:
@@ -148,7 +151,7 @@ class World:
             self._floor_id,
             model,
             chassis,
-            SonarRays(model.sonar, random),
+            SonarRays(model.sonar, random, has_overhangs=self._has_overhangs),
             pose,
             fit,
             self.objects,
@@ -301,7 +304,7 @@ class World:
         others = [(pose.x, pose.y, robot.chassis.sweep) for robot in self._robots.values() for pose in (robot.pose,)]
         others += self.objects.circles()
         others += [(each.x, each.y, each.reach) for each in self._bystanders.presences().values()]
-        pose = free_pose(self.spec.starts, self._obstacles, others, chassis.sweep)
+        pose = free_pose(self.spec.starts, self._obstacles, others, chassis.sweep, chassis.height)
         if pose is None:
             raise WorldError(f"world {self.spec.name!r} has no free place left for robot {name!r}; give it a pose")
         return pose
@@ -317,7 +320,7 @@ class World:
         ]
         others += ((thing.name, thing.footprint) for thing in self.objects.moving())
         others += ((someone, presence.outline) for someone, presence in self._bystanders.presences().items())
-        in_the_way = self._obstacles.overlapping(footprint) or overlapping(footprint, others)
+        in_the_way = self._obstacles.overlapping(footprint, chassis.height) or overlapping(footprint, others)
         if in_the_way:
             raise WorldError(
                 f"robot {name!r} cannot stand at ({pose.x:.2f}, {pose.y:.2f}) m: {in_the_way} is in the way"

@@ -17,8 +17,7 @@ from p2os_emu.world.moving_doors import MovingDoor
 from p2os_emu.world.shortest_path import are_connected
 from p2os_emu.world.spec import Block, DoorEntry, WallEntry, WorldSpec
 
-PREFIX = "plan:"
-"""Of a plan's name, before its seed, wherever worlds are named."""
+ABOUT = "rooms along a corridor"
 ROOMS = 6
 MOST_ROOMS = 20
 ROOM_LENGTHS = (3.8, 4.8)  # m along the corridor, on average
@@ -92,7 +91,7 @@ class _Plan:
     """A plan in the making."""
 
     def __init__(self, seed: int, rooms: int) -> None:
-        self._name = f"{PREFIX}{seed}"
+        self._name = f"plan:{seed}"
         self._random = Random(f"{seed} floor plan of {rooms}")
         self._walls: list[WallEntry] = []
         self._leaves: list[MovingDoor] = []

@@ -7,7 +7,7 @@ import pytest
 
 from p2os_emu.world import World, WorldError, WorldSpec, load_world
 from p2os_emu.world.conditions import RADIUS, with_obstacles, with_people
-from p2os_emu.world.floor_plan import MOST_ROOMS, TURNING_ROOM, floor_plan
+from p2os_emu.world.floors.plan import MOST_ROOMS, TURNING_ROOM, floor_plan
 from p2os_emu.world.free_space import FreeSpace
 from p2os_emu.world.people import BODY_RADIUS
 from p2os_emu.world.shortest_path import are_connected
