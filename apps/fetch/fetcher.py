@@ -1,0 +1,427 @@
+"""What to do next to fetch an object: search, approach, grip, carry, put down. No bus, no clock."""
+
+from collections.abc import Callable, Sequence
+from math import atan2, copysign, hypot, inf, pi
+
+from apps.fetch.floor import Disc, FetchFloor, turn_towards
+from apps.fetch.objects import FloorObject, FloorObjects
+from apps.fetch.settings import FetchSettings
+from apps.fetch.states import FetchOrders, FetchReadings, FetchState, GripperState
+from apps.indoor_navigation.algorithms.planning.search import length
+from geometry import Point, Pose2D, Twist2D, wrap_angle
+
+_REST = Twist2D()
+_ROOM = 0.12  # m before the hull, from which on an echo stops a straight approach
+_HALF_TURN = 1.75 * pi  # rad that it turns to look about
+_REACHED = 0.12  # m
+_SEEN_FOR = 2.0  # s without a sighting from the standoff, after which the object is gone
+_HOLDING = frozenset((FetchState.GRIP, FetchState.LIFT, FetchState.CARRY, FetchState.DELIVER, FetchState.LOWER))
+_SEEING = frozenset((FetchState.SEARCH, FetchState.WANDER, FetchState.APPROACH, FetchState.ALIGN, FetchState.CARRY))
+_NEARING = frozenset((FetchState.APPROACH, FetchState.ALIGN, FetchState.ADVANCE))
+_ENDED = frozenset((FetchState.DELIVERED, FetchState.GIVEN_UP))
+
+
+class Fetcher:
+    """Decides for one robot and one kind of object.
+
+    objects, floor: kept up by who has the images and the sonar.
+    """
+
+    def __init__(self, settings: FetchSettings, colour: str, place: Point) -> None:
+        """Begin.
+
+        Args:
+            settings: Of the application.
+            colour: Of the object.
+            place: Where it is to stand, m in odom.
+        """
+        self.settings = settings
+        self.colour, self.place = colour, place
+        self.objects, self.floor = FloorObjects(settings), FetchFloor(settings)
+        self.state, self.reason = FetchState.SEARCH, f"no {colour} object is known yet"
+        self.target: FloorObject | None = None
+        self.attempts = 0
+        self._now = self._since = self._advanced = 0.0
+        self._searched: float | None = None  # since when it searches, or s after the last grip
+        self._gripper = self._told = ""
+        self._way: tuple[Point, ...] | None = None
+        self._planned = -inf
+        self._nearest, self._nearer_at = inf, 0.0
+        self._heading: float | None = None
+        self._turned, self._sense = 0.0, 1.0  # rad turned since it began to look about, and to which side
+        self._wound, self._is_unwound = 0.0, True  # rad, the heading without wrapping
+        self._looked_from: list[Point] = []
+        self._images = 0
+        self._advance_from = Pose2D()
+        self._back_from: Pose2D | None = None  # until it backs off
+        self._next: Callable[[], None] = self._search
+        self._steps: dict[FetchState, Callable[[FetchReadings, GripperState], Twist2D]] = {
+            FetchState.SEARCH: self._step_search,
+            FetchState.WANDER: self._step_wander,
+            FetchState.APPROACH: self._step_approach,
+            FetchState.ALIGN: self._step_align,
+            FetchState.ADVANCE: self._step_advance,
+            FetchState.GRIP: self._step_grip,
+            FetchState.LIFT: self._step_lift,
+            FetchState.CARRY: self._step_carry,
+            FetchState.DELIVER: self._step_deliver,
+            FetchState.LOWER: self._step_lower,
+            FetchState.RELEASE: self._step_release,
+            FetchState.BACK_OFF: self._step_back,
+            FetchState.RETRY: self._step_back,
+        }
+
+    @property
+    def has_ended(self) -> bool:
+        """Whether nothing more is to be done."""
+        return self.state in _ENDED
+
+    def ignored(self, robot: Pose2D) -> tuple[Disc, ...]:
+        """Return where echoes of sonar are those of the object that is gripped or held."""
+        if self.state in _NEARING and self.target is not None:
+            return (Disc(self.target.x, self.target.y, 0.2),)
+        body = self.settings.robot
+        held = 0.0 if self.target is None else self.target.height + body.lift_m
+        if self.state in _HOLDING and held > body.sonar_m - 0.03:
+            return (Disc(*robot.transform(body.grip_m, 0.0), 0.18),)
+        return ()
+
+    def step(self, readings: FetchReadings) -> FetchOrders:
+        """Decide once."""
+        self._now = readings.time
+        if self._searched is None:
+            self._searched = self._since = self._nearer_at = readings.time
+        self._turn_by(readings.pose)
+        state = self.state
+        if readings.blind and state in _SEEING:
+            twist, self._nearer_at = _REST, readings.time
+            words = f"stands: {readings.blind}"
+        elif self.has_ended:
+            twist, words = _REST, self.reason
+        elif readings.gripper is None:
+            twist, words = _REST, "stands: the gripper has not reported yet"
+        else:
+            twist = self._steps[state](readings, readings.gripper)
+            words = self.reason
+        changed = self.state is not state or words != self._told
+        self._told = words
+        order, self._gripper = self._gripper, ""
+        return FetchOrders(twist if self.state is state else _REST, order, self.state, words, changed)
+
+    # --- search
+
+    def _step_search(self, readings: FetchReadings, gripper: GripperState) -> Twist2D:
+        if self._found(readings.pose):
+            return _REST
+        if self._now - (self._searched or 0.0) > self.settings.search.give_up_s:
+            self._give_up(f"no {self.colour} object was found in {self.settings.search.give_up_s:.0f} s{self._left()}")
+            return _REST
+        if self._turned > _HALF_TURN:
+            self._look_elsewhere(readings.pose)
+            return _REST
+        return Twist2D(0.0, self._sense * self.settings.search.turn_rad_s)
+
+    def _step_wander(self, readings: FetchReadings, gripper: GripperState) -> Twist2D:
+        if self._found(readings.pose):
+            return _REST
+        assert self._way is not None  # it was chosen when this began
+        pose, goal = readings.pose, self._way[-1]
+        if hypot(goal[0] - pose.x, goal[1] - pose.y) < _REACHED or self._is_stuck(pose, self._way):
+            self._search()
+            return _REST
+        return self._drive(pose, self._way)
+
+    def _found(self, pose: Pose2D) -> bool:
+        """Begin to approach the nearest object that can be fetched."""
+        able = []
+        for each in self.objects.known():
+            if each.colour != self.colour or each.is_left:
+                continue
+            if each.distance(*self.place) < self.settings.object.place_m:
+                each.is_left = "is at the place already"
+            elif not self.objects.has_size(each):
+                if each.seen > 10:
+                    each.is_left = f"is {each.width:.2f} m wide and {each.height:.2f} m high"
+            else:
+                able.append(each)
+        if not able:
+            return False
+        self.target = min(able, key=lambda each: each.distance(pose.x, pose.y))
+        away = self.target.distance(pose.x, pose.y)
+        self._go(FetchState.APPROACH, f"a {self.colour} object is {away:.1f} m away")
+        return True
+
+    def _look_elsewhere(self, pose: Pose2D) -> None:
+        """Choose a place that is far from all places where it has looked about."""
+        self._looked_from.append((pose.x, pose.y))
+        step = self.settings.search.step_m
+        for away in (step, 0.6 * step):
+            places = self.floor.free_places(pose, away, self._discs())
+            if places:
+                goal = max(places, key=lambda each: min(hypot(each[0] - x, each[1] - y) for x, y in self._looked_from))
+                self._go(FetchState.WANDER, f"no {self.colour} object is in sight")
+                self._way = ((pose.x, pose.y), goal)
+                return
+        self._search()
+
+    def _search(self) -> None:
+        self._turned, self._sense = 0.0, copysign(1.0, -self._wound)
+        self.target = None
+        self._go(FetchState.SEARCH, f"no {self.colour} object is known that can be fetched{self._left()}")
+
+    # --- to the object
+
+    def _step_approach(self, readings: FetchReadings, gripper: GripperState) -> Twist2D:
+        target, pose, grip = self.target, readings.pose, self.settings.grip
+        if target is None or not self._is_there(target):
+            self._lose(f"the {self.colour} object is not where it was any more")
+            return _REST
+        if self._now - self._planned > self.settings.floor.replan_s:
+            self._planned = self._now
+            self.floor.clear(target.x, target.y, 0.25)
+            self._way = self.floor.standoff(
+                pose, (target.x, target.y), grip.standoff_m, self.settings.robot.grip_m, self._discs()
+            )
+        if self._way is None:
+            if self._now - self._nearer_at > self.settings.drive.stuck_s / 2:
+                self._leave("no free way leads to it")
+            return _REST
+        goal = self._way[-1]
+        if hypot(goal[0] - pose.x, goal[1] - pose.y) < _REACHED:
+            self._go(FetchState.ALIGN, f"it stands {target.distance(pose.x, pose.y):.2f} m ahead")
+            self._gripper, self._images = "deploy", readings.images
+            return _REST
+        if self._is_stuck(pose, self._way):
+            self._leave("it cannot be reached")
+            return _REST
+        return self._drive(pose, self._way, Disc(target.x, target.y, target.width / 2.0))
+
+    def _step_align(self, readings: FetchReadings, gripper: GripperState) -> Twist2D:
+        target, pose, grip = self.target, readings.pose, self.settings.grip
+        if target is None or not self._is_there(target):
+            self._lose(f"the {self.colour} object is not where it was any more")
+            return _REST
+        if abs(pose.bearing_to(target.x, target.y)) > grip.facing_rad:
+            self._images = readings.images
+            return Twist2D(0.0, turn_towards(pose, target.x, target.y, self.settings.drive.gain, 0.4))
+        if self._now - max(target.seen_at, self._since) > _SEEN_FOR:
+            self._lose(f"the {self.colour} object is not seen any more")
+        elif gripper.paddles == "open" and gripper.lift == "down":
+            if readings.images - self._images >= grip.standoff_images:
+                self._advanced = target.distance(pose.x, pose.y) - self.settings.robot.grip_m
+                self._advance_from = pose
+                self._go(FetchState.ADVANCE, f"it is straight ahead, {self._advanced:.2f} m from the gripper")
+        elif self._waits_too_long("the gripper did not open"):
+            return _REST
+        return _REST
+
+    def _step_advance(self, readings: FetchReadings, gripper: GripperState) -> Twist2D:
+        target, pose = self.target, readings.pose
+        assert target is not None  # it was faced
+        gone = hypot(pose.x - self._advance_from.x, pose.y - self._advance_from.y)
+        if gripper.inner_beam:
+            self._gripper = "close"
+            self._go(FetchState.GRIP, "it is between the paddles")
+        elif gone > self._advanced + self.settings.grip.beyond_m:
+            self._miss(f"no {self.colour} object came between the paddles")
+        elif readings.has_stalled:
+            self._miss("something blocks the robot")
+        elif self.floor.echo_ahead(self._now, pose) < _ROOM + self.settings.robot.grip_m - self.settings.robot.front_m:
+            self._miss("an obstacle is too near behind the object")
+        else:
+            return self._straight(pose, (target.x, target.y), self._advanced - gone)
+        return _REST
+
+    def _step_grip(self, readings: FetchReadings, gripper: GripperState) -> Twist2D:
+        if gripper.holds:
+            self._gripper = "up"
+            self._go(FetchState.LIFT, "the gripper holds it")
+        elif gripper.paddles == "closed" and self._now - self._since > 1.0:
+            self._miss("the gripper closed on nothing")
+        elif self._waits_too_long("the gripper did not close"):
+            return _REST
+        return _REST
+
+    def _step_lift(self, readings: FetchReadings, gripper: GripperState) -> Twist2D:
+        if not gripper.holds:
+            self._miss("the object slipped out of the gripper")
+        elif gripper.lift == "up" and self._now - self._since > 0.5:
+            assert self.target is not None  # it was gripped
+            self.objects.forget(self.target)
+            self._searched = self._now
+            self._go(FetchState.CARRY, "the gripper holds the object, and the lift is up")
+        else:
+            self._waits_too_long("the lift did not go up")
+        return _REST
+
+    # --- to the place
+
+    def _step_carry(self, readings: FetchReadings, gripper: GripperState) -> Twist2D:
+        pose, place = readings.pose, self.place
+        if not gripper.holds:
+            self._miss("the object was lost on the way")
+            return _REST
+        if self._now - self._planned > self.settings.floor.replan_s:
+            self._planned = self._now
+            away = self.settings.place.standoff_m
+            self._way = self.floor.standoff(pose, place, away, self.settings.robot.grip_m, self._discs())
+        if self._way is None:
+            if self._now - self._nearer_at > self.settings.drive.stuck_s:
+                self._give_up(
+                    f"no free way leads to the place ({place[0]:.2f}, {place[1]:.2f}); the robot holds the object"
+                )
+            return _REST
+        goal = self._way[-1]
+        if hypot(goal[0] - pose.x, goal[1] - pose.y) < _REACHED:
+            self._go(FetchState.DELIVER, f"the place is {hypot(place[0] - pose.x, place[1] - pose.y):.2f} m ahead")
+            return _REST
+        if self._is_stuck(pose, self._way):
+            self._give_up("the place cannot be reached; the robot holds the object")
+            return _REST
+        return self._drive(pose, self._way)
+
+    def _step_deliver(self, readings: FetchReadings, gripper: GripperState) -> Twist2D:
+        pose, place = readings.pose, self.place
+        ahead, _ = pose.locate(*place)
+        left = ahead - self.settings.robot.grip_m
+        if not gripper.holds:
+            self._miss("the object was lost on the way")
+        elif left <= 0.005:
+            self._gripper = "down"
+            self._go(FetchState.LOWER, "the object is over the place")
+        elif abs(pose.bearing_to(*place)) > 0.1 and ahead > 0.5:
+            return Twist2D(0.0, turn_towards(pose, *place, self.settings.drive.gain, 0.4))
+        elif self.floor.echo_ahead(self._now, pose) < _ROOM or readings.has_stalled:
+            self._give_up("an obstacle is at the place; the robot holds the object")
+        else:
+            return self._straight(pose, place, left)
+        return _REST
+
+    def _step_lower(self, readings: FetchReadings, gripper: GripperState) -> Twist2D:
+        if gripper.lift == "down" and self._now - self._since > 0.5:
+            self._gripper = "open"
+            self._go(FetchState.RELEASE, "the object stands on the floor")
+        else:
+            self._waits_too_long("the lift did not go down")
+        return _REST
+
+    def _step_release(self, readings: FetchReadings, gripper: GripperState) -> Twist2D:
+        if gripper.paddles == "open":
+            self._next = self._finish
+            self._go(FetchState.BACK_OFF, "the gripper is open")
+        else:
+            self._waits_too_long("the gripper did not open")
+        return _REST
+
+    def _step_back(self, readings: FetchReadings, gripper: GripperState) -> Twist2D:
+        pose = readings.pose
+        begin = self._back_from = self._back_from or pose
+        gone = hypot(pose.x - begin.x, pose.y - begin.y)
+        if gone >= self.settings.grip.back_m or self._now - self._since > self.settings.grip.wait_s:
+            self._next()
+            return _REST
+        if not self.floor.is_free_behind(self._now, pose, 0.1):
+            if gone > 0.2:  # clear of the object
+                self._next()
+            return _REST
+        return Twist2D(-self.settings.drive.back_m_s, 0.0)
+
+    # --- what several states need
+
+    def _straight(self, pose: Pose2D, goal: Point, left: float) -> Twist2D:
+        """Return the velocity straight to a point between the paddles, m away."""
+        drive, grip = self.settings.drive, self.settings.grip
+        speed = drive.creep_m_s if left < grip.straight_m - self.settings.robot.grip_m + 0.1 else drive.speed_m_s / 2.0
+        off = pose.bearing_to(*goal)
+        away = hypot(goal[0] - pose.x, goal[1] - pose.y)
+        turn = drive.gain * off if away > grip.straight_m else 0.0
+        return Twist2D(speed, max(-0.3, min(0.3, turn)))
+
+    def _drive(self, pose: Pose2D, way: Sequence[Point], *discs: Disc) -> Twist2D:
+        """Return the velocity along a way.
+
+        Odometry measures turns wrong by a share. So where turns to one side would add up to more than half a turn from
+        the heading of the start, the robot turns the other way round before it drives.
+        """
+        (x, y), most = way[-1], self.settings.drive.turn_rad_s
+        off = self._wound - atan2(y - pose.y, x - pose.x)
+        self._is_unwound = self._is_unwound or abs(off) <= pi
+        if self._is_unwound:
+            return self.floor.follow(self._now, pose, way, (*self._discs(), *discs))
+        self._nearer_at = self._now
+        return Twist2D(0.0, copysign(most, -off))
+
+    def _discs(self) -> tuple[Disc, ...]:
+        """Return all objects but the one that is fetched, as obstacles."""
+        return tuple(
+            Disc(each.x, each.y, min(each.width, 0.5) / 2.0) for each in self.objects.known() if each is not self.target
+        )
+
+    def _is_there(self, target: FloorObject) -> bool:
+        return any(each is target for each in self.objects.objects)
+
+    def _is_stuck(self, pose: Pose2D, way: Sequence[Point]) -> bool:
+        """Return whether the robot has not come nearer to the end of a way for some time."""
+        away = hypot(way[-1][0] - pose.x, way[-1][1] - pose.y) if len(way) == 2 else length(way)
+        if away < self._nearest - 0.05:
+            self._nearest, self._nearer_at = away, self._now
+        return self._now - self._nearer_at > self.settings.drive.stuck_s
+
+    def _turn_by(self, pose: Pose2D) -> None:
+        if self._heading is None:
+            self._wound = pose.heading
+        else:
+            step = wrap_angle(pose.heading - self._heading)
+            self._turned += abs(step)
+            self._wound += step
+        self._heading = pose.heading
+
+    def _waits_too_long(self, trouble: str) -> bool:
+        if self._now - self._since <= self.settings.grip.wait_s:
+            return False
+        self._give_up(f"{trouble} in {self.settings.grip.wait_s:.0f} s")
+        return True
+
+    def _left(self) -> str:
+        """Return why objects of the colour are not fetched, in words."""
+        reasons = [
+            f"; the one at ({each.x:.1f}, {each.y:.1f}) {each.is_left}"
+            for each in self.objects.known()
+            if each.colour == self.colour and each.is_left
+        ]
+        return "".join(reasons)
+
+    def _leave(self, reason: str) -> None:
+        """Do not fetch this object."""
+        assert self.target is not None  # it was approached
+        self.target.is_left = reason
+        self._lose(f"the {self.colour} object is left: {reason}")
+
+    def _lose(self, reason: str) -> None:
+        self._search()
+        self.reason = reason
+
+    def _miss(self, reason: str) -> None:
+        """Count an attempt, back off, and search again."""
+        self.attempts += 1
+        if self.target is not None:
+            self.objects.forget(self.target)
+            self.target = None
+        self._gripper = "open"
+        if self.attempts >= self.settings.attempts:
+            self._give_up(f"{reason}, {self.attempts} times")
+            return
+        self._next = self._search
+        self._go(FetchState.RETRY, reason)
+
+    def _finish(self) -> None:
+        self._go(FetchState.DELIVERED, f"the {self.colour} object stands at ({self.place[0]:.2f}, {self.place[1]:.2f})")
+
+    def _give_up(self, reason: str) -> None:
+        self._go(FetchState.GIVEN_UP, reason)
+
+    def _go(self, state: FetchState, reason: str) -> None:
+        self.state, self.reason = state, reason
+        self._since = self._nearer_at = self._now
+        self._is_unwound = False
+        self._nearest, self._planned, self._way, self._back_from = inf, -inf, None, None

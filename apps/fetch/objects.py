@@ -1,0 +1,130 @@
+"""Objects on the floor, kept from the sightings of many images."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from math import hypot
+
+from apps.fetch.settings import FetchSettings
+from apps.fetch.sight import ObjectSighting
+from geometry import Pose2D
+
+_DRIFT = 0.003  # m, standard deviation that odometry adds between two images
+_SETTLED = 0.2  # of a new size in the mean
+
+
+@dataclass(slots=True)
+class FloorObject:
+    """An object: its middle in odom, m, with its variance, m^2.
+
+    width, height: m. seen: in how many images. missed: images since, in which it should have been. seen_at: s.
+    is_left: it is not to be fetched, since it is there already or cannot be reached; why, in words.
+    """
+
+    colour: str
+    x: float
+    y: float
+    variance: float
+    width: float
+    height: float
+    seen: int
+    missed: float
+    seen_at: float
+    is_left: str = ""
+
+    def distance(self, x: float, y: float) -> float:
+        """Return how far its middle is from a place, m."""
+        return hypot(self.x - x, self.y - y)
+
+
+@dataclass(frozen=True, slots=True)
+class CameraView:
+    """What the camera sees of the floor: how far to both sides, rad, and from which distance before the axle, m."""
+
+    half_angle: float
+    nearest: float
+
+
+class FloorObjects:
+    """All objects that have been seen."""
+
+    def __init__(self, settings: FetchSettings) -> None:
+        self._settings = settings
+        self.objects: list[FloorObject] = []
+
+    def take(self, now: float, robot: Pose2D, sightings: Sequence[ObjectSighting], view: CameraView) -> None:
+        """Take the sightings of one image.
+
+        Args:
+            now: s, when it was exposed.
+            robot: Then, in odom.
+            sightings: In base_link.
+            view: Of the camera.
+        """
+        met: set[int] = set()
+        for each in sorted(sightings, key=lambda each: -each.width * each.height):
+            x, y = robot.transform(each.x, each.y)
+            near = self._nearest(each.colour, x, y, hypot(each.x, each.y))
+            if near is not None and id(near) in met:
+                continue  # a part of an object that is in the image already
+            if near is None:
+                near = FloorObject(each.colour, x, y, 1.0, each.width, each.height, 0, 0.0, now)
+                self.objects.append(near)
+            met.add(id(near))
+            self._improve(near, each, x, y, now)
+        for known in self.objects:
+            if id(known) not in met:
+                known.missed += self._should_be_seen(known, robot, view)
+        self.objects = [
+            each for each in self.objects if each.missed < (self._settings.track.misses if each.seen > 2 else 2)
+        ]
+
+    def forget(self, gone: FloorObject) -> None:
+        """Forget an object, and what was seen of its colour right beside it."""
+        self.objects = [
+            each
+            for each in self.objects
+            if each is not gone
+            and (each.colour != gone.colour or each.distance(gone.x, gone.y) > self._settings.track.gate_m)
+        ]
+
+    def known(self) -> Iterator[FloorObject]:
+        """The objects that are there for certain."""
+        return (each for each in self.objects if each.seen >= self._settings.track.sightings)
+
+    def has_size(self, each: FloorObject) -> bool:
+        """Return whether an object could be gripped by its size."""
+        size = self._settings.object
+        slack = 0.03 + 0.3 * each.width * (each.seen < 10)
+        return (
+            size.narrowest_m - slack <= each.width <= size.widest_m + slack
+            and size.lowest_m - slack <= each.height <= size.highest_m + slack
+        )
+
+    def _nearest(self, colour: str, x: float, y: float, away: float) -> FloorObject | None:
+        gate = self._settings.track.gate_m + self._settings.track.gate_share * away
+        same = [each for each in self.objects if each.colour == colour]
+        nearest = min(same, key=lambda each: each.distance(x, y), default=None)
+        return nearest if nearest is not None and nearest.distance(x, y) <= gate else None
+
+    def _improve(self, known: FloorObject, seen: ObjectSighting, x: float, y: float, now: float) -> None:
+        """Take a sighting into the mean, by its variance."""
+        track = self._settings.track
+        away = hypot(seen.x, seen.y)
+        deviation = track.deviation_m + track.deviation_1_m * away * away
+        before = known.variance + _DRIFT**2
+        share = before / (before + deviation**2)
+        known.x += share * (x - known.x)
+        known.y += share * (y - known.y)
+        known.variance = (1.0 - share) * before
+        part = max(share, _SETTLED) if known.seen else 1.0
+        known.width += part * (seen.width - known.width)
+        known.height += part * (seen.height - known.height)
+        known.seen, known.missed, known.seen_at = known.seen + 1, 0.0, now
+
+    def _should_be_seen(self, known: FloorObject, robot: Pose2D, view: CameraView) -> bool:
+        """Return whether an object should stand wholly in the image."""
+        ahead, left = robot.locate(known.x, known.y)
+        away = hypot(ahead, left)
+        if not view.nearest + 0.15 < away < self._settings.track.sure_m:
+            return known.seen <= 2 and away > view.nearest
+        return ahead > 0.0 and abs(left) < (ahead - self._settings.camera.forward_m) * 0.8 * view.half_angle
