@@ -154,13 +154,14 @@ class Fetcher:
     def _look_elsewhere(self, pose: Pose2D) -> None:
         """Choose a place that is far from all places where it has looked about."""
         self._looked_from.append((pose.x, pose.y))
-        step = self.settings.search.step_m
-        for away in (step, 0.6 * step):
-            places = self.floor.free_places(pose, away, self._discs())
-            if places:
-                goal = max(places, key=lambda each: min(hypot(each[0] - x, each[1] - y) for x, y in self._looked_from))
+        near: list[tuple[float, Point]] = []
+        for away in (0.75, 1.0, 1.5):
+            for x, y in self.floor.free_places(pose, away * self.settings.search.step_m, self._discs()):
+                near.append((min(hypot(x - a, y - b) for a, b in self._looked_from), (x, y)))
+            news = [each for each in near if each[0] >= self.settings.search.step_m]
+            if near and (news or away > 1.0):
                 self._go(FetchState.WANDER, f"no {self.colour} object is in sight")
-                self._way = ((pose.x, pose.y), goal)
+                self._way = ((pose.x, pose.y), max(news or near)[1])
                 return
         self._search()
 

@@ -14,7 +14,7 @@ from apps.formation.avoidance import admissible_twist
 from apps.formation.settings import Safety
 from apps.indoor_navigation.algorithms.planning.area import Area
 from apps.indoor_navigation.algorithms.planning.grid import Grid, GridParameters
-from apps.indoor_navigation.algorithms.planning.search import find_way
+from apps.indoor_navigation.algorithms.planning.search import NO_WAY, costs_to, find_way
 from apps.indoor_navigation.algorithms.planning.terrain import BARRED, CostParameters, Terrain, terrain
 from apps.indoor_navigation.algorithms.rays import Rays
 from apps.indoor_navigation.data import ObstRead, SonarRead
@@ -139,25 +139,23 @@ class FetchFloor:
             discs: Obstacles besides those that sonar has heard.
         """
         ground = self.ground(robot, goal, discs)
+        costs = costs_to(ground, (robot.x, robot.y), 0.0)
+        best: tuple[float, Point] | None = None
         direct = atan2(robot.y - goal[1], robot.x - goal[0])
-        best: tuple[float, tuple[Point, ...]] | None = None
-        for number in range(_SIDES):
-            side = direct + number * 2.0 * pi / _SIDES
+        for side in np.linspace(direct, direct + 2.0 * pi, _SIDES, endpoint=False):
             c, s = cos(side), sin(side)
             place = goal[0] + away * c, goal[1] + away * s
             lane = ground.cost_of(place, (goal[0] + until * c, goal[1] + until * s))
-            if lane >= BARRED:
-                continue
-            if hypot(place[0] - robot.x, place[1] - robot.y) < self._settings.floor.resolution_m:
-                way: tuple[Point, ...] | None = ((robot.x, robot.y), place)
-            else:
-                way = find_way(ground, (robot.x, robot.y), place, 0.0)
-            if way is None:
-                continue
-            cost = ground.cost_of(*way) + lane
-            if best is None or cost < best[0]:
-                best = cost, (*way[:-1], place)
-        return None if best is None else best[1]
+            cost = costs[ground.area.cell(*place)] * ground.area.resolution + lane
+            if cost < min(BARRED, NO_WAY * ground.area.resolution) and (best is None or cost < best[0]):
+                best = cost, place
+        if best is None:
+            return None
+        place = best[1]
+        if hypot(place[0] - robot.x, place[1] - robot.y) < self._settings.floor.resolution_m:
+            return (robot.x, robot.y), place
+        way = find_way(ground, (robot.x, robot.y), place, 0.0)
+        return None if way is None else (*way[:-1], place)
 
     def free_places(self, robot: Pose2D, away: float, discs: Sequence[Disc]) -> list[Point]:
         """Return places about the robot that a way leads to, m in odom."""
