@@ -100,7 +100,7 @@ class ArmKinematics:
         last: Floats = points[-1]
         return last
 
-    def reach(self, point: Sequence[float], present: Sequence[float]) -> Floats:
+    def reach(self, point: Sequence[float] | Floats, present: Sequence[float] | Floats) -> Floats:
         """Return the angles with the tip at a point, rad, shape (n,).
 
         Args:
