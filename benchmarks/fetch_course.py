@@ -24,7 +24,7 @@ from p2os_emu.world.spec import WallEntry
 
 ROBOT, MODEL = "bart", "p3dx-sh"
 FIT = "gripper,no-rear-sonar,ptz:vcc4,camera:160x120@10"  # as robots of the team acromovi
-CONNECTING = 2.0  # s
+CONNECTING = 3.0  # s in which the driver connects, and the head is ready
 LENGTHS, DEPTHS = (5.0, 7.0), (4.5, 6.0)  # m of rooms
 PIECES, OTHERS = (2, 4), (1, 3)  # of furniture, and objects of other colours
 COLOURS = ("wood", "brown", "cream", "dark grey", "white")
@@ -209,7 +209,7 @@ class FetchCourse(Closeable):
 
     def _take_head(self, sample: Sample) -> None:
         message = decode(sample.type_name, sample.payload)
-        self.cycle.take_head(message.pan, message.tilt)
+        self.cycle.take_head(message.pan, message.tilt, bool(message.moving))
 
     def _take_image(self, sample: Sample) -> None:
         if self.has_camera:

@@ -1,12 +1,11 @@
 """The cycle of one robot: images, odometry, sonar and gripper in, orders out. No bus, no clock."""
 
 from collections.abc import Mapping, Sequence
-from math import atan, hypot, inf, tan
+from math import hypot, inf
 from typing import Any
 
 from agents.components.vision.colour_tools import camera_model
 from apps.fetch.fetcher import Fetcher
-from apps.fetch.objects import CameraView
 from apps.fetch.settings import FetchSettings
 from apps.fetch.sight import ObjectSight, named_colours
 from apps.fetch.states import FetchOrders, FetchReadings, GripperState
@@ -48,10 +47,11 @@ class FetchCycle:
         self._table = table or named_colours(settings.shades)
         self._poses = StampedPoses(_BEYOND)
         self._pan = self._tilt = 0.0
+        self._head_moves = False
         self._gripper: GripperState | None = None
         self._images, self._image_at, self._heard_at = 0, -inf, -inf
         self._has_stalled = False
-        self._sight: tuple[int, int, ObjectSight, CameraView] | None = None
+        self._sight: ObjectSight | None = None
 
     def take_odometry(self, stamp: float, pose: Pose2D, velocity: Twist2D) -> None:
         """Take a reading of the base; the same one again is ignored."""
@@ -60,9 +60,9 @@ class FetchCycle:
             self._poses.clear()  # the gateway has started again, and odom begins elsewhere
         self._poses.add(stamp, pose, velocity)
 
-    def take_head(self, pan: float, tilt: float) -> None:
-        """Take where the head looks, rad to the left and up."""
-        self._pan, self._tilt = pan, tilt
+    def take_head(self, pan: float, tilt: float, is_moving: bool) -> None:
+        """Take where the head looks, rad to the left and up; images are not used while it moves."""
+        self._pan, self._tilt, self._head_moves = pan, tilt, is_moving
 
     def take_gripper(self, state: GripperState) -> None:
         """Take a reading of the gripper."""
@@ -82,11 +82,11 @@ class FetchCycle:
     def take_image(self, stamp: float, data: bytes) -> None:
         """Take a JPEG or PNG file exposed at `stamp`; the same one again is ignored."""
         robot = self._poses.at(stamp)
-        if robot is None or stamp <= self._image_at:
+        if robot is None or stamp <= self._image_at or self._head_moves:
             return
         try:
             pixels = Image.decode(data).pixels
-            sight, view = self._sight_for(pixels.shape[1], pixels.shape[0])
+            sight = self._sight_for(pixels.shape[1], pixels.shape[0])
             found = sight.look(pixels, self._pan, self._tilt)
         except VisionError as err:
             self.seen = f"an image cannot be used: {err}"
@@ -94,7 +94,7 @@ class FetchCycle:
         self._image_at, self._images = stamp, self._images + 1
         words = ", ".join(f"{each.colour} {hypot(each.x, each.y):.2f} m" for each in found)
         self.seen = words or "nothing of the known colours"
-        self.fetcher.objects.take(stamp, robot, found, view)
+        self.fetcher.objects.take(stamp, robot, found, sight.view(self._tilt))
 
     def pose(self, now: float) -> Pose2D | None:
         """Return where the robot is in odom; None without a recent reading."""
@@ -113,19 +113,15 @@ class FetchCycle:
         stalled, self._has_stalled = self._has_stalled, False
         return self.fetcher.step(FetchReadings(now, pose, self._gripper, self._images, blind, stalled))
 
-    def _sight_for(self, width: int, height: int) -> tuple[ObjectSight, CameraView]:
+    def _sight_for(self, width: int, height: int) -> ObjectSight:
         """Return what finds objects in images of a size, px.
 
         Raises:
             VisionError: The camera's properties describe no camera.
         """
-        if self._sight is None or self._sight[:2] != (width, height):
+        if self._sight is None or (self._sight.camera.width, self._sight.camera.height) != (width, height):
             model = camera_model(self._camera, width, height)
             if model is None:
                 raise VisionError("the field of view of the camera is not known")
-            camera = self._settings.camera
-            down = atan((height - 1 - model.cy) / model.fy) - self._tilt
-            nearest = camera.forward_m + (camera.height_m / tan(down) if down > 0.0 else inf)
-            view = CameraView(width / 2.0 / model.fx, nearest)
-            self._sight = width, height, ObjectSight(camera, model, self._table), view
-        return self._sight[2:]
+            self._sight = ObjectSight(self._settings.camera, model, self._table)
+        return self._sight

@@ -2,10 +2,10 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from math import hypot
+from math import hypot, tan
 
 from apps.fetch.settings import FetchSettings
-from apps.fetch.sight import ObjectSighting
+from apps.fetch.sight import CameraView, ObjectSighting
 from geometry import Pose2D
 
 _DRIFT = 0.003  # m, standard deviation that odometry adds between two images
@@ -34,14 +34,6 @@ class FloorObject:
     def distance(self, x: float, y: float) -> float:
         """Return how far its middle is from a place, m."""
         return hypot(self.x - x, self.y - y)
-
-
-@dataclass(frozen=True, slots=True)
-class CameraView:
-    """What the camera sees of the floor: how far to both sides, rad, and from which distance before the axle, m."""
-
-    half_angle: float
-    nearest: float
 
 
 class FloorObjects:
@@ -127,4 +119,4 @@ class FloorObjects:
         away = hypot(ahead, left)
         if not view.nearest + 0.15 < away < self._settings.track.sure_m:
             return known.seen <= 2 and away > view.nearest
-        return ahead > 0.0 and abs(left) < (ahead - self._settings.camera.forward_m) * 0.8 * view.half_angle
+        return ahead > 0.0 and abs(left) < (ahead - self._settings.camera.forward_m) * 0.8 * tan(view.half_angle)

@@ -18,7 +18,7 @@ from vision.colours import ColourTable
 
 _ANSWER_TIME = 1.0  # s for a reading or a command; the others do not wait for it
 _SILENT = 1.0  # s without odometry or sonar, after which the robot stands
-_SLOW = 0.5  # s between two readings of the head
+_SLOW = 0.2  # s between two readings of the head
 
 
 @dataclass(frozen=True, slots=True)
@@ -178,7 +178,7 @@ class FetchRobot:
 
     def _take_head(self, told: Any) -> None:
         if told["pan"] is not None and told["tilt"] is not None:
-            self.cycle.take_head(float(told["pan"]), float(told["tilt"]))
+            self.cycle.take_head(float(told["pan"]), float(told["tilt"]), bool(told["moving"]))
 
     def _ask(self, element: str, request: str) -> Any:
         return self.robot.element(element).ask(request, within=_ANSWER_TIME)

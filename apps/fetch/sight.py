@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from math import atan2, cos, hypot, sin
+from math import atan, atan2, cos, hypot, inf, sin, tan
 
 import numpy as np
 
@@ -31,8 +31,19 @@ class ObjectSighting:
     height: float
 
 
+@dataclass(frozen=True, slots=True)
+class CameraView:
+    """What the camera sees of the floor: how far to both sides, rad, and from which distance before the axle, m."""
+
+    half_angle: float
+    nearest: float
+
+
 class ObjectSight:
-    """Finds objects of the colours of a table in the images of one camera."""
+    """Finds objects of the colours of a table in the images of one camera.
+
+    camera: its model.
+    """
 
     def __init__(self, settings: FetchCamera, camera: PinholeModel, table: ColourTable) -> None:
         """Begin.
@@ -43,7 +54,7 @@ class ObjectSight:
             table: Channels with names.
         """
         self._settings = settings
-        self._camera = camera
+        self.camera = camera
         self._table = table
 
     def look(self, pixels: Pixels, pan: float = 0.0, tilt: float = 0.0) -> list[ObjectSighting]:
@@ -63,9 +74,16 @@ class ObjectSight:
         )
         return [each for each in sightings if each is not None]
 
+    def view(self, tilt: float) -> CameraView:
+        """Return what the camera sees of the floor at a tilt, rad up."""
+        camera, where = self.camera, self._settings
+        down = atan((camera.height - 1 - camera.cy) / camera.fy) - tilt
+        nearest = where.forward_m + (where.height_m / tan(down) if down > 0.0 else inf)
+        return CameraView(atan(camera.width / 2.0 / camera.fx), nearest)
+
     def _sighting(self, colour: str, blob: Blob, pan: float, tilt: float) -> ObjectSighting | None:
         """Return where a blob stands on the floor; None where it is cut off, or no floor is at its lower edge."""
-        camera = self._camera
+        camera = self.camera
         if (
             blob.bottom >= camera.height - _EDGE
             or blob.left < _EDGE

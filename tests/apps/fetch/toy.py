@@ -3,9 +3,8 @@
 from dataclasses import dataclass, field
 
 from apps.fetch.fetcher import Fetcher
-from apps.fetch.objects import CameraView
 from apps.fetch.settings import FetchSettings
-from apps.fetch.sight import ObjectSighting
+from apps.fetch.sight import CameraView, ObjectSighting
 from apps.fetch.states import FetchOrders, FetchReadings, FetchState, GripperState
 from geometry import Point, Pose2D, Twist2D, integrate
 
