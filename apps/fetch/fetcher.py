@@ -14,9 +14,11 @@ _REST = Twist2D()
 _ROOM = 0.12  # m before the hull, from which on an echo stops a straight approach
 _HALF_TURN = 1.75 * pi  # rad that it turns to look about
 _REACHED = 0.12  # m
+_AGAIN = 3.0  # s after which an order to a gripper that rests elsewhere is repeated
 _SEEN_FOR = 2.0  # s without a sighting from the standoff, after which the object is gone
 _HOLDING = frozenset((FetchState.GRIP, FetchState.LIFT, FetchState.CARRY, FetchState.DELIVER, FetchState.LOWER))
 _SEEING = frozenset((FetchState.SEARCH, FetchState.WANDER, FetchState.APPROACH, FetchState.ALIGN, FetchState.CARRY))
+_WAITING = frozenset((FetchState.ALIGN, FetchState.GRIP, FetchState.LIFT, FetchState.LOWER, FetchState.RELEASE))
 _NEARING = frozenset((FetchState.APPROACH, FetchState.ALIGN, FetchState.ADVANCE))
 _ENDED = frozenset((FetchState.DELIVERED, FetchState.GIVEN_UP))
 
@@ -43,7 +45,9 @@ class Fetcher:
         self.attempts = 0
         self._now = self._since = self._advanced = 0.0
         self._searched: float | None = None  # since when it searches, or s after the last grip
-        self._gripper = self._told = ""
+        self._is_facing = False  # the place, since it delivers
+        self._gripper = self._told = self._ordered = ""
+        self._ordered_at = 0.0
         self._way: tuple[Point, ...] | None = None
         self._planned = -inf
         self._nearest, self._nearer_at = inf, 0.0
@@ -103,6 +107,7 @@ class Fetcher:
         else:
             twist = self._steps[state](readings, readings.gripper)
             words = self.reason
+            self._order_again(readings.gripper)
         changed = self.state is not state or words != self._told
         self._told = words
         order, self._gripper = self._gripper, ""
@@ -190,7 +195,8 @@ class Fetcher:
         goal = self._way[-1]
         if hypot(goal[0] - pose.x, goal[1] - pose.y) < _REACHED:
             self._go(FetchState.ALIGN, f"it stands {target.distance(pose.x, pose.y):.2f} m ahead")
-            self._gripper, self._images = "deploy", readings.images
+            self._images = readings.images
+            self._order("deploy")
             return _REST
         if self._is_stuck(pose, self._way):
             self._leave("it cannot be reached")
@@ -221,7 +227,7 @@ class Fetcher:
         assert target is not None  # it was faced
         gone = hypot(pose.x - self._advance_from.x, pose.y - self._advance_from.y)
         if gripper.inner_beam:
-            self._gripper = "close"
+            self._order("close")
             self._go(FetchState.GRIP, "it is between the paddles")
         elif gone > self._advanced + self.settings.grip.beyond_m:
             self._miss(f"no {self.colour} object came between the paddles")
@@ -235,7 +241,7 @@ class Fetcher:
 
     def _step_grip(self, readings: FetchReadings, gripper: GripperState) -> Twist2D:
         if gripper.holds:
-            self._gripper = "up"
+            self._order("up")
             self._go(FetchState.LIFT, "the gripper holds it")
         elif gripper.paddles == "closed" and self._now - self._since > 1.0:
             self._miss("the gripper closed on nothing")
@@ -285,13 +291,14 @@ class Fetcher:
         pose, place = readings.pose, self.place
         ahead, _ = pose.locate(*place)
         left = ahead - self.settings.robot.grip_m
+        self._is_facing = self._is_facing or abs(pose.bearing_to(*place)) < self.settings.grip.facing_rad
         if not gripper.holds:
             self._miss("the object was lost on the way")
-        elif left <= 0.005:
-            self._gripper = "down"
-            self._go(FetchState.LOWER, "the object is over the place")
-        elif abs(pose.bearing_to(*place)) > 0.1 and ahead > 0.5:
+        elif not self._is_facing:
             return Twist2D(0.0, turn_towards(pose, *place, self.settings.drive.gain, 0.4))
+        elif left <= 0.005:
+            self._order("down")
+            self._go(FetchState.LOWER, "the object is over the place")
         elif self.floor.echo_ahead(self._now, pose) < _ROOM or readings.has_stalled:
             self._give_up("an obstacle is at the place; the robot holds the object")
         else:
@@ -300,7 +307,7 @@ class Fetcher:
 
     def _step_lower(self, readings: FetchReadings, gripper: GripperState) -> Twist2D:
         if gripper.lift == "down" and self._now - self._since > 0.5:
-            self._gripper = "open"
+            self._order("open")
             self._go(FetchState.RELEASE, "the object stands on the floor")
         else:
             self._waits_too_long("the lift did not go down")
@@ -377,6 +384,16 @@ class Fetcher:
             self._wound += step
         self._heading = pose.heading
 
+    def _order(self, order: str) -> None:
+        self._gripper = self._ordered = order
+        self._ordered_at = self._now
+
+    def _order_again(self, gripper: GripperState) -> None:
+        """Repeat the last order while a state waits for it and nothing moves: it may have been lost or refused."""
+        rests = "moving" not in (gripper.paddles, gripper.lift)
+        if self.state in _WAITING and rests and self._now - self._ordered_at > _AGAIN:
+            self._order(self._ordered)
+
     def _waits_too_long(self, trouble: str) -> bool:
         if self._now - self._since <= self.settings.grip.wait_s:
             return False
@@ -408,7 +425,7 @@ class Fetcher:
         if self.target is not None:
             self.objects.forget(self.target)
             self.target = None
-        self._gripper = "open"
+        self._order("open")
         if self.attempts >= self.settings.attempts:
             self._give_up(f"{reason}, {self.attempts} times")
             return
@@ -424,5 +441,5 @@ class Fetcher:
     def _go(self, state: FetchState, reason: str) -> None:
         self.state, self.reason = state, reason
         self._since = self._nearer_at = self._now
-        self._is_unwound = False
+        self._is_unwound = self._is_facing = False
         self._nearest, self._planned, self._way, self._back_from = inf, -inf, None, None
