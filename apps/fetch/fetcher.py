@@ -1,19 +1,18 @@
 """What to do next to fetch an object: search, approach, grip, carry, put down. No bus, no clock."""
 
-from collections.abc import Callable, Sequence
-from math import atan2, copysign, hypot, inf, pi
+from collections.abc import Callable
+from math import hypot, pi
 
-from apps.fetch.floor import Disc, FetchFloor, turn_towards
+from apps.fetch.driving import FetchDriving
+from apps.fetch.floor import Disc, FetchFloor
 from apps.fetch.objects import FloorObject, FloorObjects
 from apps.fetch.settings import FetchSettings
 from apps.fetch.states import FetchOrders, FetchReadings, FetchState, GripperState
-from apps.indoor_navigation.algorithms.planning.search import length
-from geometry import Point, Pose2D, Twist2D, wrap_angle
+from geometry import Point, Pose2D, Twist2D
 
 _REST = Twist2D()
 _ROOM = 0.12  # m before the hull, from which on an echo stops a straight approach
 _HALF_TURN = 1.75 * pi  # rad that it turns to look about
-_REACHED = 0.12  # m
 _AGAIN = 3.0  # s after which an order to a gripper that rests elsewhere is repeated
 _SEEN_FOR = 2.0  # s without a sighting from the standoff, after which the object is gone
 _HOLDING = frozenset((FetchState.GRIP, FetchState.LIFT, FetchState.CARRY, FetchState.DELIVER, FetchState.LOWER))
@@ -48,12 +47,7 @@ class Fetcher:
         self._is_facing = False  # the place, since it delivers
         self._gripper = self._told = self._ordered = ""
         self._ordered_at = 0.0
-        self._way: tuple[Point, ...] | None = None
-        self._planned = -inf
-        self._nearest, self._nearer_at = inf, 0.0
-        self._heading: float | None = None
-        self._turned, self._sense = 0.0, 1.0  # rad turned since it began to look about, and to which side
-        self._wound, self._is_unwound = 0.0, True  # rad, the heading without wrapping
+        self._driving = FetchDriving(settings, self.floor)
         self._looked_from: list[Point] = []
         self._images = 0
         self._advance_from = Pose2D()
@@ -94,12 +88,13 @@ class Fetcher:
         """Decide once."""
         self._now = readings.time
         if self._searched is None:
-            self._searched = self._since = self._nearer_at = readings.time
-        self._turn_by(readings.pose)
+            self._searched = self._since = readings.time
+            self._driving.begin(readings.time)
+        self._driving.feel(readings.pose)
         state = self.state
         if readings.blind and state in _SEEING:
-            twist, self._nearer_at = _REST, readings.time
-            words = f"stands: {readings.blind}"
+            self._driving.pause(readings.time)
+            twist, words = _REST, f"stands: {readings.blind}"
         elif self.has_ended:
             twist, words = _REST, self.reason
         elif readings.gripper is None:
@@ -121,20 +116,19 @@ class Fetcher:
         if self._now - (self._searched or 0.0) > self.settings.search.give_up_s:
             self._give_up(f"no {self.colour} object was found in {self.settings.search.give_up_s:.0f} s{self._left()}")
             return _REST
-        if self._turned > _HALF_TURN:
+        if self._driving.turned > _HALF_TURN:
             self._look_elsewhere(readings.pose)
             return _REST
-        return Twist2D(0.0, self._sense * self.settings.search.turn_rad_s)
+        return self._driving.turn_about()
 
     def _step_wander(self, readings: FetchReadings, gripper: GripperState) -> Twist2D:
         if self._found(readings.pose):
             return _REST
-        assert self._way is not None  # it was chosen when this began
-        pose, goal = readings.pose, self._way[-1]
-        if hypot(goal[0] - pose.x, goal[1] - pose.y) < _REACHED or self._is_stuck(pose, self._way):
+        pose = readings.pose
+        if self._driving.has_arrived(pose) or self._driving.is_stuck(self._now, pose):
             self._search()
             return _REST
-        return self._drive(pose, self._way)
+        return self._driving.along(self._now, pose, self._discs())
 
     def _found(self, pose: Pose2D) -> bool:
         """Begin to approach the nearest object that can be fetched."""
@@ -166,12 +160,12 @@ class Fetcher:
             news = [each for each in near if each[0] >= self.settings.search.step_m]
             if near and (news or away > 1.0):
                 self._go(FetchState.WANDER, f"no {self.colour} object is in sight")
-                self._way = ((pose.x, pose.y), max(news or near)[1])
+                self._driving.way = (pose.x, pose.y), max(news or near)[1]
                 return
         self._search()
 
     def _search(self) -> None:
-        self._turned, self._sense = 0.0, copysign(1.0, -self._wound)
+        self._driving.look_about()
         self.target = None
         self._go(FetchState.SEARCH, f"no {self.colour} object is known that can be fetched{self._left()}")
 
@@ -182,26 +176,25 @@ class Fetcher:
         if target is None or not self._is_there(target):
             self._lose(f"the {self.colour} object is not where it was any more")
             return _REST
-        if self._now - self._planned > self.settings.floor.replan_s:
-            self._planned = self._now
+        if self._driving.is_plan_due(self._now):
             self.floor.clear(target.x, target.y, 0.25)
-            self._way = self.floor.standoff(
+            self._driving.way = self.floor.standoff(
                 pose, (target.x, target.y), grip.standoff_m, self.settings.robot.grip_m, self._discs()
             )
-        if self._way is None:
-            if self._now - self._nearer_at > self.settings.drive.stuck_s / 2:
+        if self._driving.way is None:
+            if self._driving.waits(self._now, self.settings.drive.stuck_s / 2.0):
                 self._leave("no free way leads to it")
             return _REST
-        goal = self._way[-1]
-        if hypot(goal[0] - pose.x, goal[1] - pose.y) < _REACHED:
+        if self._driving.has_arrived(pose):
             self._go(FetchState.ALIGN, f"it stands {target.distance(pose.x, pose.y):.2f} m ahead")
             self._images = readings.images
             self._order("deploy")
             return _REST
-        if self._is_stuck(pose, self._way):
+        if self._driving.is_stuck(self._now, pose):
             self._leave("it cannot be reached")
             return _REST
-        return self._drive(pose, self._way, Disc(target.x, target.y, target.width / 2.0))
+        discs = (*self._discs(), Disc(target.x, target.y, target.width / 2.0))
+        return self._driving.along(self._now, pose, discs)
 
     def _step_align(self, readings: FetchReadings, gripper: GripperState) -> Twist2D:
         target, pose, grip = self.target, readings.pose, self.settings.grip
@@ -210,7 +203,7 @@ class Fetcher:
             return _REST
         if abs(pose.bearing_to(target.x, target.y)) > grip.facing_rad:
             self._images = readings.images
-            return Twist2D(0.0, turn_towards(pose, target.x, target.y, self.settings.drive.gain, 0.4))
+            return self._driving.turn_to(pose, (target.x, target.y))
         if self._now - max(target.seen_at, self._since) > _SEEN_FOR:
             self._lose(f"the {self.colour} object is not seen any more")
         elif gripper.paddles == "open" and gripper.lift == "down":
@@ -236,7 +229,7 @@ class Fetcher:
         elif self.floor.echo_ahead(self._now, pose) < _ROOM + self.settings.robot.grip_m - self.settings.robot.front_m:
             self._miss("an obstacle is too near behind the object")
         else:
-            return self._straight(pose, (target.x, target.y), self._advanced - gone)
+            return self._driving.straight_to(pose, (target.x, target.y), self._advanced - gone)
         return _REST
 
     def _step_grip(self, readings: FetchReadings, gripper: GripperState) -> Twist2D:
@@ -268,24 +261,22 @@ class Fetcher:
         if not gripper.holds:
             self._miss("the object was lost on the way")
             return _REST
-        if self._now - self._planned > self.settings.floor.replan_s:
-            self._planned = self._now
+        if self._driving.is_plan_due(self._now):
             away = self.settings.place.standoff_m
-            self._way = self.floor.standoff(pose, place, away, self.settings.robot.grip_m, self._discs())
-        if self._way is None:
-            if self._now - self._nearer_at > self.settings.drive.stuck_s:
+            self._driving.way = self.floor.standoff(pose, place, away, self.settings.robot.grip_m, self._discs())
+        if self._driving.way is None:
+            if self._driving.waits(self._now, self.settings.drive.stuck_s):
                 self._give_up(
                     f"no free way leads to the place ({place[0]:.2f}, {place[1]:.2f}); the robot holds the object"
                 )
             return _REST
-        goal = self._way[-1]
-        if hypot(goal[0] - pose.x, goal[1] - pose.y) < _REACHED:
+        if self._driving.has_arrived(pose):
             self._go(FetchState.DELIVER, f"the place is {hypot(place[0] - pose.x, place[1] - pose.y):.2f} m ahead")
             return _REST
-        if self._is_stuck(pose, self._way):
+        if self._driving.is_stuck(self._now, pose):
             self._give_up("the place cannot be reached; the robot holds the object")
             return _REST
-        return self._drive(pose, self._way)
+        return self._driving.along(self._now, pose, self._discs())
 
     def _step_deliver(self, readings: FetchReadings, gripper: GripperState) -> Twist2D:
         pose, place = readings.pose, self.place
@@ -295,14 +286,14 @@ class Fetcher:
         if not gripper.holds:
             self._miss("the object was lost on the way")
         elif not self._is_facing:
-            return Twist2D(0.0, turn_towards(pose, *place, self.settings.drive.gain, 0.4))
+            return self._driving.turn_to(pose, place)
         elif left <= 0.005:
             self._order("down")
             self._go(FetchState.LOWER, "the object is over the place")
         elif self.floor.echo_ahead(self._now, pose) < _ROOM or readings.has_stalled:
             self._give_up("an obstacle is at the place; the robot holds the object")
         else:
-            return self._straight(pose, place, left)
+            return self._driving.straight_to(pose, place, left)
         return _REST
 
     def _step_lower(self, readings: FetchReadings, gripper: GripperState) -> Twist2D:
@@ -336,29 +327,6 @@ class Fetcher:
 
     # --- what several states need
 
-    def _straight(self, pose: Pose2D, goal: Point, left: float) -> Twist2D:
-        """Return the velocity straight to a point between the paddles, m away."""
-        drive, grip = self.settings.drive, self.settings.grip
-        speed = drive.creep_m_s if left < grip.straight_m - self.settings.robot.grip_m + 0.1 else drive.speed_m_s / 2.0
-        off = pose.bearing_to(*goal)
-        away = hypot(goal[0] - pose.x, goal[1] - pose.y)
-        turn = drive.gain * off if away > grip.straight_m else 0.0
-        return Twist2D(speed, max(-0.3, min(0.3, turn)))
-
-    def _drive(self, pose: Pose2D, way: Sequence[Point], *discs: Disc) -> Twist2D:
-        """Return the velocity along a way.
-
-        Odometry measures turns wrong by a share. So where turns to one side would add up to more than half a turn from
-        the heading of the start, the robot turns the other way round before it drives.
-        """
-        (x, y), most = way[-1], self.settings.drive.turn_rad_s
-        off = self._wound - atan2(y - pose.y, x - pose.x)
-        self._is_unwound = self._is_unwound or abs(off) <= pi
-        if self._is_unwound:
-            return self.floor.follow(self._now, pose, way, (*self._discs(), *discs))
-        self._nearer_at = self._now
-        return Twist2D(0.0, copysign(most, -off))
-
     def _discs(self) -> tuple[Disc, ...]:
         """Return all objects but the one that is fetched, as obstacles."""
         return tuple(
@@ -367,22 +335,6 @@ class Fetcher:
 
     def _is_there(self, target: FloorObject) -> bool:
         return any(each is target for each in self.objects.objects)
-
-    def _is_stuck(self, pose: Pose2D, way: Sequence[Point]) -> bool:
-        """Return whether the robot has not come nearer to the end of a way for some time."""
-        away = hypot(way[-1][0] - pose.x, way[-1][1] - pose.y) if len(way) == 2 else length(way)
-        if away < self._nearest - 0.05:
-            self._nearest, self._nearer_at = away, self._now
-        return self._now - self._nearer_at > self.settings.drive.stuck_s
-
-    def _turn_by(self, pose: Pose2D) -> None:
-        if self._heading is None:
-            self._wound = pose.heading
-        else:
-            step = wrap_angle(pose.heading - self._heading)
-            self._turned += abs(step)
-            self._wound += step
-        self._heading = pose.heading
 
     def _order(self, order: str) -> None:
         self._gripper = self._ordered = order
@@ -440,6 +392,5 @@ class Fetcher:
 
     def _go(self, state: FetchState, reason: str) -> None:
         self.state, self.reason = state, reason
-        self._since = self._nearer_at = self._now
-        self._is_unwound = self._is_facing = False
-        self._nearest, self._planned, self._way, self._back_from = inf, -inf, None, None
+        self._since, self._is_facing, self._back_from = self._now, False, None
+        self._driving.begin(self._now)

@@ -18,7 +18,7 @@ from apps.indoor_navigation.algorithms.planning.search import NO_WAY, costs_to, 
 from apps.indoor_navigation.algorithms.planning.terrain import BARRED, CostParameters, Terrain, terrain
 from apps.indoor_navigation.algorithms.rays import Rays
 from apps.indoor_navigation.data import ObstRead, SonarRead
-from geometry import Point, Pose2D, Twist2D, wrap_angle
+from geometry import Point, Pose2D, Twist2D
 
 _MARGIN = 3.0  # m of floor about robot and goal, which the way may use
 _LARGEST = 60.0  # m, edge of the floor that is kept
@@ -224,14 +224,6 @@ class FetchFloor:
             ]
         local = (robot.locate(*place) for place in places)
         return [(x, y) for x, y in local if hypot(x, y) < _NEAR]
-
-
-def turn_towards(robot: Pose2D, x: float, y: float, gain: float, most: float) -> float:
-    """Return the rate of a turn on the spot to a place, rad/s; never so slow that wheels do not turn."""
-    off = wrap_angle(robot.bearing_to(x, y))
-    rate = max(-most, min(most, gain * off))
-    least = 0.06
-    return rate if abs(rate) > least else (least if off > 0.0 else -least)
 
 
 def _with_discs(area: Area, discs: Iterable[Disc]) -> "np.ndarray":

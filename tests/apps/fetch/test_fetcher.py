@@ -135,4 +135,4 @@ def ring(disc: Pose2D, middle: tuple[float, float], radius: float) -> float:
 def test_turns_to_both_sides_cancel_before_it_drives(side: float) -> None:
     toy = ToyRobot.among(Thing(-0.9, side * 1.2), place=(1.5, 0.0))
     assert toy.run(150.0) is FetchState.DELIVERED
-    assert abs(toy.fetcher._wound) < 3.3
+    assert abs(toy.wound) < 3.3

@@ -31,7 +31,7 @@ class ToyRobot:
     """Moves exactly as it is told, and sees and grips exactly.
 
     things: on the floor. held: in the gripper. orders: what the gripper was told. blind: why there are no images.
-    slips: the gripper closes on nothing, although something is there.
+    slips: the gripper closes on nothing, although something is there. wound: the heading without wrapping, rad.
     """
 
     fetcher: Fetcher
@@ -41,6 +41,7 @@ class ToyRobot:
     orders: list[str] = field(default_factory=list)
     blind: str = ""
     slips: bool = False
+    wound: float = 0.0
     time: float = 0.0
     told: list[str] = field(default_factory=list)
     last: FetchOrders | None = None
@@ -74,6 +75,7 @@ class ToyRobot:
         if orders.gripper:
             self._move(orders.gripper)
         self.pose = integrate(self.pose, orders.twist, PERIOD)
+        self.wound += orders.twist.angular * PERIOD
         return orders.twist
 
     def _seen(self) -> list[ObjectSighting]:
