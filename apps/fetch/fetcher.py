@@ -114,7 +114,8 @@ class Fetcher:
         if self._found(readings.pose):
             return _REST
         if self._now - (self._searched or 0.0) > self.settings.search.give_up_s:
-            self._give_up(f"no {self.colour} object was found in {self.settings.search.give_up_s:.0f} s{self._left()}")
+            left = self.objects.left(self.colour)
+            self._give_up(f"no {self.colour} object was found in {self.settings.search.give_up_s:.0f} s{left}")
             return _REST
         if self._driving.turned > _HALF_TURN:
             self._look_elsewhere(readings.pose)
@@ -128,58 +129,45 @@ class Fetcher:
         if self._driving.has_arrived(pose) or self._driving.is_stuck(self._now, pose):
             self._search()
             return _REST
-        return self._driving.along(self._now, pose, self._discs())
+        return self._driving.along(self._now, pose, self.objects.discs(self.target))
 
     def _found(self, pose: Pose2D) -> bool:
         """Begin to approach the nearest object that can be fetched."""
-        able = []
-        for each in self.objects.known():
-            if each.colour != self.colour or each.is_left:
-                continue
-            if each.distance(*self.place) < self.settings.object.place_m:
-                each.is_left = "is at the place already"
-            elif not self.objects.has_size(each):
-                if each.seen > 10:
-                    each.is_left = f"is {each.width:.2f} m wide and {each.height:.2f} m high"
-            else:
-                able.append(each)
-        if not able:
+        self.target = self.objects.to_fetch(self.colour, self.place, (pose.x, pose.y))
+        if self.target is None:
             return False
-        self.target = min(able, key=lambda each: each.distance(pose.x, pose.y))
         away = self.target.distance(pose.x, pose.y)
         self._go(FetchState.APPROACH, f"a {self.colour} object is {away:.1f} m away")
         return True
 
     def _look_elsewhere(self, pose: Pose2D) -> None:
-        """Choose a place that is far from all places where it has looked about."""
+        """Drive to a place from where it has not looked."""
         self._looked_from.append((pose.x, pose.y))
-        near: list[tuple[float, Point]] = []
-        for away in (0.75, 1.0, 1.5):
-            for x, y in self.floor.free_places(pose, away * self.settings.search.step_m, self._discs()):
-                near.append((min(hypot(x - a, y - b) for a, b in self._looked_from), (x, y)))
-            news = [each for each in near if each[0] >= self.settings.search.step_m]
-            if near and (news or away > 1.0):
-                self._go(FetchState.WANDER, f"no {self.colour} object is in sight")
-                self._driving.way = (pose.x, pose.y), max(news or near)[1]
-                return
-        self._search()
+        goal = self.floor.next_view(pose, self._looked_from, self.objects.discs())
+        if goal is None:
+            self._search()
+        else:
+            self._go(FetchState.WANDER, f"no {self.colour} object is in sight")
+            self._driving.way = (pose.x, pose.y), goal
 
     def _search(self) -> None:
         self._driving.look_about()
         self.target = None
-        self._go(FetchState.SEARCH, f"no {self.colour} object is known that can be fetched{self._left()}")
+        self._go(
+            FetchState.SEARCH, f"no {self.colour} object is known that can be fetched{self.objects.left(self.colour)}"
+        )
 
     # --- to the object
 
     def _step_approach(self, readings: FetchReadings, gripper: GripperState) -> Twist2D:
         target, pose, grip = self.target, readings.pose, self.settings.grip
-        if target is None or not self._is_there(target):
+        if target is None or not self.objects.has(target):
             self._lose(f"the {self.colour} object is not where it was any more")
             return _REST
         if self._driving.is_plan_due(self._now):
             self.floor.clear(target.x, target.y, 0.25)
             self._driving.way = self.floor.standoff(
-                pose, (target.x, target.y), grip.standoff_m, self.settings.robot.grip_m, self._discs()
+                pose, (target.x, target.y), grip.standoff_m, self.settings.robot.grip_m, self.objects.discs(self.target)
             )
         if self._driving.way is None:
             if self._driving.waits(self._now, self.settings.drive.stuck_s / 2.0):
@@ -193,12 +181,12 @@ class Fetcher:
         if self._driving.is_stuck(self._now, pose):
             self._leave("it cannot be reached")
             return _REST
-        discs = (*self._discs(), Disc(target.x, target.y, target.width / 2.0))
+        discs = (*self.objects.discs(self.target), Disc(target.x, target.y, target.width / 2.0))
         return self._driving.along(self._now, pose, discs)
 
     def _step_align(self, readings: FetchReadings, gripper: GripperState) -> Twist2D:
         target, pose, grip = self.target, readings.pose, self.settings.grip
-        if target is None or not self._is_there(target):
+        if target is None or not self.objects.has(target):
             self._lose(f"the {self.colour} object is not where it was any more")
             return _REST
         if abs(pose.bearing_to(target.x, target.y)) > grip.facing_rad:
@@ -263,7 +251,9 @@ class Fetcher:
             return _REST
         if self._driving.is_plan_due(self._now):
             away = self.settings.place.standoff_m
-            self._driving.way = self.floor.standoff(pose, place, away, self.settings.robot.grip_m, self._discs())
+            self._driving.way = self.floor.standoff(
+                pose, place, away, self.settings.robot.grip_m, self.objects.discs(self.target)
+            )
         if self._driving.way is None:
             if self._driving.waits(self._now, self.settings.drive.stuck_s):
                 self._give_up(
@@ -276,7 +266,7 @@ class Fetcher:
         if self._driving.is_stuck(self._now, pose):
             self._give_up("the place cannot be reached; the robot holds the object")
             return _REST
-        return self._driving.along(self._now, pose, self._discs())
+        return self._driving.along(self._now, pose, self.objects.discs(self.target))
 
     def _step_deliver(self, readings: FetchReadings, gripper: GripperState) -> Twist2D:
         pose, place = readings.pose, self.place
@@ -327,15 +317,6 @@ class Fetcher:
 
     # --- what several states need
 
-    def _discs(self) -> tuple[Disc, ...]:
-        """Return all objects but the one that is fetched, as obstacles."""
-        return tuple(
-            Disc(each.x, each.y, min(each.width, 0.5) / 2.0) for each in self.objects.known() if each is not self.target
-        )
-
-    def _is_there(self, target: FloorObject) -> bool:
-        return any(each is target for each in self.objects.objects)
-
     def _order(self, order: str) -> None:
         self._gripper = self._ordered = order
         self._ordered_at = self._now
@@ -351,15 +332,6 @@ class Fetcher:
             return False
         self._give_up(f"{trouble} in {self.settings.grip.wait_s:.0f} s")
         return True
-
-    def _left(self) -> str:
-        """Return why objects of the colour are not fetched, in words."""
-        reasons = [
-            f"; the one at ({each.x:.1f}, {each.y:.1f}) {each.is_left}"
-            for each in self.objects.known()
-            if each.colour == self.colour and each.is_left
-        ]
-        return "".join(reasons)
 
     def _leave(self, reason: str) -> None:
         """Do not fetch this object."""

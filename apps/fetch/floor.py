@@ -28,6 +28,7 @@ _AHEAD = 0.45  # m along the way, to which it steers
 _TURN_FROM = 0.7  # rad off the way, above which it turns on the spot
 _TURN_UNTIL = 0.2
 _SIDES = 16  # from which a place is approached
+_FREE = 2.5  # cost of a metre, below which a straight way is free
 _SEEN = 8  # evidence for an obstacle that is seen
 
 
@@ -157,17 +158,26 @@ class FetchFloor:
         way = find_way(ground, (robot.x, robot.y), place, 0.0)
         return None if way is None else (*way[:-1], place)
 
-    def free_places(self, robot: Pose2D, away: float, discs: Sequence[Disc]) -> list[Point]:
-        """Return places about the robot that a way leads to, m in odom."""
+    def next_view(self, robot: Pose2D, looked_from: Sequence[Point], discs: Sequence[Disc]) -> Point | None:
+        """Return a place that can be driven to straight, far from all places where the robot has looked about.
+
+        Args:
+            robot: In odom.
+            looked_from: Those places, m in odom.
+            discs: Obstacles besides those that sonar has heard.
+        """
+        step = self._settings.search.step_m
         ground = self.ground(robot, (robot.x, robot.y), discs)
-        found = []
-        for number in range(_SIDES):
-            turn = robot.heading + number * 2.0 * pi / _SIDES
-            place = robot.x + away * cos(turn), robot.y + away * sin(turn)
-            straight = ground.cost_between((robot.x, robot.y), place)
-            if straight < 2.5 * away:
-                found.append(place)
-        return found
+        near: list[tuple[float, Point]] = []
+        for away in (0.75 * step, step, 1.5 * step):
+            for number in range(_SIDES):
+                turn = robot.heading + number * 2.0 * pi / _SIDES
+                place = robot.x + away * cos(turn), robot.y + away * sin(turn)
+                if ground.cost_between((robot.x, robot.y), place) < _FREE * away:
+                    near.append((min(hypot(place[0] - x, place[1] - y) for x, y in looked_from), place))
+            if near and (away > step or max(near)[0] >= step):
+                return max(near)[1]
+        return None
 
     def follow(self, now: float, robot: Pose2D, way: Sequence[Point], discs: Sequence[Disc]) -> Twist2D:
         """Return the velocity to a place along a way.

@@ -4,11 +4,14 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from math import hypot, tan
 
+from apps.fetch.floor import Disc
 from apps.fetch.settings import FetchSettings
 from apps.fetch.sight import CameraView, ObjectSighting
-from geometry import Pose2D
+from geometry import Point, Pose2D
 
 _DRIFT = 0.003  # m, standard deviation that odometry adds between two images
+_MEASURED = 10  # images after which width and height are known
+_WIDEST = 0.5  # m of an obstacle; what seems wider is no object on the floor
 _SETTLED = 0.2  # of a new size in the mean
 
 
@@ -83,10 +86,42 @@ class FloorObjects:
         """The objects that are there for certain."""
         return (each for each in self.objects if each.seen >= self._settings.track.sightings)
 
-    def has_size(self, each: FloorObject) -> bool:
+    def has(self, known: FloorObject) -> bool:
+        """Return whether an object is still there."""
+        return any(each is known for each in self.objects)
+
+    def to_fetch(self, colour: str, place: Point, robot: Point) -> FloorObject | None:
+        """Return the object of a colour nearest to the robot that can be fetched to a place; None without one."""
+        able = []
+        for each in self.known():
+            if each.colour != colour or each.is_left:
+                continue
+            if each.distance(*place) < self._settings.object.place_m:
+                each.is_left = "is at the place already"
+            elif self._has_size(each):
+                able.append(each)
+            elif each.seen > _MEASURED:
+                each.is_left = f"is {each.width:.2f} m wide and {each.height:.2f} m high"
+        return min(able, key=lambda each: each.distance(*robot), default=None)
+
+    def left(self, colour: str) -> str:
+        """Return why objects of a colour are not fetched, as the end of a sentence; empty if none is left."""
+        return "".join(
+            f"; the one at ({each.x:.1f}, {each.y:.1f}) {each.is_left}"
+            for each in self.known()
+            if each.colour == colour and each.is_left
+        )
+
+    def discs(self, target: FloorObject | None = None) -> tuple[Disc, ...]:
+        """Return all objects but one as obstacles."""
+        return tuple(
+            Disc(each.x, each.y, min(each.width, _WIDEST) / 2.0) for each in self.known() if each is not target
+        )
+
+    def _has_size(self, each: FloorObject) -> bool:
         """Return whether an object could be gripped by its size."""
         size = self._settings.object
-        slack = 0.03 + 0.3 * each.width * (each.seen < 10)
+        slack = 0.03 + 0.3 * each.width * (each.seen < _MEASURED)
         return (
             size.narrowest_m - slack <= each.width <= size.widest_m + slack
             and size.lowest_m - slack <= each.height <= size.highest_m + slack
