@@ -133,7 +133,7 @@ class Fetcher:
 
     def _found(self, pose: Pose2D) -> bool:
         """Begin to approach the nearest object that can be fetched."""
-        self.target = self.objects.to_fetch(self.colour, self.place, (pose.x, pose.y))
+        self.target = self.objects.to_fetch(self._now, self.colour, self.place, (pose.x, pose.y))
         if self.target is None:
             return False
         away = self.target.distance(pose.x, pose.y)
@@ -166,9 +166,7 @@ class Fetcher:
             return _REST
         if self._driving.is_plan_due(self._now):
             self.floor.clear(target.x, target.y, 0.25)
-            self._driving.way = self.floor.standoff(
-                pose, (target.x, target.y), grip.standoff_m, self.settings.robot.grip_m, self.objects.discs(self.target)
-            )
+            self._plan(pose, (target.x, target.y), grip.standoff_m)
         if self._driving.way is None:
             if self._driving.waits(self._now, self.settings.drive.stuck_s / 2.0):
                 self._leave("no free way leads to it")
@@ -250,10 +248,7 @@ class Fetcher:
             self._miss("the object was lost on the way")
             return _REST
         if self._driving.is_plan_due(self._now):
-            away = self.settings.place.standoff_m
-            self._driving.way = self.floor.standoff(
-                pose, place, away, self.settings.robot.grip_m, self.objects.discs(self.target)
-            )
+            self._plan(pose, place, self.settings.place.standoff_m)
         if self._driving.way is None:
             if self._driving.waits(self._now, self.settings.drive.stuck_s):
                 self._give_up(
@@ -317,6 +312,11 @@ class Fetcher:
 
     # --- what several states need
 
+    def _plan(self, pose: Pose2D, goal: Point, away: float) -> None:
+        """Plan the way to a place that is so many m from a goal, from which the goal can be approached straight."""
+        driving, discs = self._driving, self.objects.discs(self.target)
+        driving.way = self.floor.standoff(pose, goal, away, self.settings.robot.grip_m, discs, driving.way)
+
     def _order(self, order: str) -> None:
         self._gripper = self._ordered = order
         self._ordered_at = self._now
@@ -336,7 +336,7 @@ class Fetcher:
     def _leave(self, reason: str) -> None:
         """Do not fetch this object."""
         assert self.target is not None  # it was approached
-        self.target.is_left = reason
+        self.target.leave(reason, self._now, self.settings.attempts)
         self._lose(f"the {self.colour} object is left: {reason}")
 
     def _lose(self, reason: str) -> None:

@@ -5,7 +5,7 @@ The grid, its costs and the search are those of the indoor navigation; the admis
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from math import atan2, cos, hypot, pi, sin, sqrt
+from math import atan2, cos, dist, hypot, pi, sin, sqrt
 
 import numpy as np
 
@@ -23,12 +23,14 @@ from geometry import Point, Pose2D, Twist2D
 _MARGIN = 3.0  # m of floor about robot and goal, which the way may use
 _LARGEST = 60.0  # m, edge of the floor that is kept
 _ECHO_FOR = 1.0  # s for which an echo is avoided besides the grid
+_SAME_ECHO = 0.35  # m between two echoes of one obstacle, while the robot turns
 _NEAR = 1.2  # m about the robot, where obstacles bound its velocity
 _AHEAD = 0.45  # m along the way, to which it steers
 _TURN_FROM = 0.7  # rad off the way, above which it turns on the spot
 _TURN_UNTIL = 0.2
 _SIDES = 16  # from which a place is approached
 _FREE = 2.5  # cost of a metre, below which a straight way is free
+_KEPT = 0.8  # of the cost of the end that the way has so far
 _SEEN = 8  # evidence for an obstacle that is seen
 
 
@@ -52,7 +54,7 @@ class FetchFloor:
         self._safety = Safety(
             settings.robot.radius_m, {}, 0.0, 0.0, floor.gap_m, floor.horizon_s, drive.braking_m_s2, 1.0
         )
-        self._echoes: dict[int, tuple[float, Point]] = {}  # by disc: when, and where in odom
+        self._echoes: dict[Pose2D, tuple[float, Point]] = {}  # the last of each disc: when, and where in odom
         self._is_turning = False
 
     def hear(
@@ -72,17 +74,13 @@ class FetchFloor:
             ranges: m; infinite without an echo.
             ignored: Where echoes are those of an object that is gripped or held.
         """
-        echoes = {
-            number: robot.compose(discs[number]).transform(each, 0.0)
-            for number, each in enumerate(ranges)
-            if each < self._settings.floor.echo_m
-        }
-        echoes = {number: place for number, place in echoes.items() if not _is_within(place, ignored)}
-        heard = list(echoes)
-        self._echoes.update({number: (now, place) for number, place in echoes.items()})
-        if not heard:
+        lengths = {disc: each for disc, each in zip(discs, ranges, strict=True) if each < self._settings.floor.echo_m}
+        echoes = {disc: robot.compose(disc).transform(each, 0.0) for disc, each in lengths.items()}
+        echoes = {disc: place for disc, place in echoes.items() if not _is_within(place, ignored)}
+        places = [disc for disc, place in echoes.items() if self._confirms(now, disc, place)]
+        self._echoes.update({disc: (now, place) for disc, place in echoes.items()})
+        if not places:
             return
-        places = [discs[number] for number in heard]
         rays = Rays.of_sonar(
             SonarRead(
                 now,
@@ -90,7 +88,7 @@ class FetchFloor:
                 np.array([each.x for each in places]),
                 np.array([each.y for each in places]),
                 np.array([each.heading for each in places]),
-                np.array([ranges[number] for number in heard]),
+                np.array([lengths[each] for each in places]),
             )
         )
         hits = rays.hits.astype(np.float64)
@@ -109,13 +107,18 @@ class FetchFloor:
             )
         )
 
+    def _confirms(self, now: float, disc: Pose2D, place: Point) -> bool:
+        """Return whether the disc's echo before came from near; a single echo may be that of another disc's sound."""
+        before = self._echoes.get(disc)
+        return before is not None and now - before[0] < _ECHO_FOR and dist(before[1], place) < _SAME_ECHO
+
     def clear(self, x: float, y: float, radius: float) -> None:
         """Take what was heard within a radius, m, for the object that is to be gripped, and forget it."""
         if self._grid.area.evidence.size:
             self._grid.doubt(x, y, radius)
         self._echoes = {
-            number: (at, place)
-            for number, (at, place) in self._echoes.items()
+            disc: (at, place)
+            for disc, (at, place) in self._echoes.items()
             if hypot(place[0] - x, place[1] - y) > radius
         }
 
@@ -128,7 +131,13 @@ class FetchFloor:
         return terrain(seen, self._settings.floor.half_width_m, self._costs, robot=(robot.x, robot.y))
 
     def standoff(
-        self, robot: Pose2D, goal: Point, away: float, until: float, discs: Sequence[Disc]
+        self,
+        robot: Pose2D,
+        goal: Point,
+        away: float,
+        until: float,
+        discs: Sequence[Disc],
+        before: Sequence[Point] | None = None,
     ) -> tuple[Point, ...] | None:
         """Return the cheapest way to a place from which a goal can be approached straight; None where there is none.
 
@@ -138,18 +147,22 @@ class FetchFloor:
             away: Of the place from the goal, m.
             until: m from the goal, to which the straight approach must be free.
             discs: Obstacles besides those that sonar has heard.
+            before: The way so far; its end is kept unless another one is clearly better.
         """
         ground = self.ground(robot, goal, discs)
         costs = costs_to(ground, (robot.x, robot.y), 0.0)
         best: tuple[float, Point] | None = None
         direct = atan2(robot.y - goal[1], robot.x - goal[0])
-        for side in np.linspace(direct, direct + 2.0 * pi, _SIDES, endpoint=False):
+        sides = [(1.0, direct + number * 2.0 * pi / _SIDES) for number in range(_SIDES)]
+        if before:
+            sides.append((_KEPT, atan2(before[-1][1] - goal[1], before[-1][0] - goal[0])))
+        for share, side in sides:
             c, s = cos(side), sin(side)
             place = goal[0] + away * c, goal[1] + away * s
             lane = ground.cost_of(place, (goal[0] + until * c, goal[1] + until * s))
             cost = costs[ground.area.cell(*place)] * ground.area.resolution + lane
-            if cost < min(BARRED, NO_WAY * ground.area.resolution) and (best is None or cost < best[0]):
-                best = cost, place
+            if cost < min(BARRED, NO_WAY * ground.area.resolution) and (best is None or share * cost < best[0]):
+                best = share * cost, place
         if best is None:
             return None
         place = best[1]

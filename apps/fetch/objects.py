@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from math import hypot, tan
+from math import hypot, inf, tan
 
 from apps.fetch.floor import Disc
 from apps.fetch.settings import FetchSettings
@@ -12,6 +12,7 @@ from geometry import Point, Pose2D
 _DRIFT = 0.003  # m, standard deviation that odometry adds between two images
 _MEASURED = 10  # images after which width and height are known
 _WIDEST = 0.5  # m of an obstacle; what seems wider is no object on the floor
+_LEFT_FOR = 20.0  # s, in which the robot looks from elsewhere
 _SETTLED = 0.2  # of a new size in the mean
 
 
@@ -20,7 +21,8 @@ class FloorObject:
     """An object: its middle in odom, m, with its variance, m^2.
 
     width, height: m. seen: in how many images. missed: images since, in which it should have been. seen_at: s.
-    is_left: it is not to be fetched, since it is there already or cannot be reached; why, in words.
+    is_left: why it is not to be fetched before `left_until`, s: it is there already, or cannot be reached. leaves: how
+    often that was so.
     """
 
     colour: str
@@ -33,6 +35,13 @@ class FloorObject:
     missed: float
     seen_at: float
     is_left: str = ""
+    left_until: float = inf
+    leaves: int = 0
+
+    def leave(self, reason: str, now: float, most: int) -> None:
+        """Do not fetch it for some time, and not at all when it has been left `most` times."""
+        self.leaves += 1
+        self.is_left, self.left_until = reason, inf if self.leaves >= most else now + _LEFT_FOR
 
     def distance(self, x: float, y: float) -> float:
         """Return how far its middle is from a place, m."""
@@ -90,11 +99,11 @@ class FloorObjects:
         """Return whether an object is still there."""
         return any(each is known for each in self.objects)
 
-    def to_fetch(self, colour: str, place: Point, robot: Point) -> FloorObject | None:
+    def to_fetch(self, now: float, colour: str, place: Point, robot: Point) -> FloorObject | None:
         """Return the object of a colour nearest to the robot that can be fetched to a place; None without one."""
         able = []
         for each in self.known():
-            if each.colour != colour or each.is_left:
+            if each.colour != colour or (each.is_left and now < each.left_until):
                 continue
             if each.distance(*place) < self._settings.object.place_m:
                 each.is_left = "is at the place already"
