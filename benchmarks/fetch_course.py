@@ -28,6 +28,7 @@ CONNECTING = 3.0  # s in which the driver connects, and the head is ready
 LENGTHS, DEPTHS = (5.0, 7.0), (4.5, 6.0)  # m of rooms
 PIECES, OTHERS = (2, 4), (1, 3)  # of furniture, and objects of other colours
 COLOURS = ("wood", "brown", "cream", "dark grey", "white")
+FETCHED, HEIGHTS = (0.08, 0.13), (0.1, 0.26)  # m of the object, which when lifted stays below the sonar, and of others
 ROOM = 0.75  # m about the object, and about the place, that is free
 APART = 1.0  # m from the object to the place and to the robot, and between objects
 _PASSAGE = 0.6  # m, radius of a disc that gets everywhere
@@ -57,9 +58,9 @@ def fetch_room(seed: int) -> tuple[WorldSpec, Point]:
         if len(places) == 3 + OTHERS[1] and are_connected(FreeSpace(spec, _PASSAGE), places):
             break
     start, place, thing, *others = places
-    objects = [_thing(rng, "object", "red", thing)]
+    objects = [_thing(rng, "object", "red", thing, FETCHED)]
     for number, other in enumerate(others[: rng.randint(*OTHERS)]):
-        objects.append(_thing(rng, f"other {number}", rng.choice(("green", "blue", "yellow")), other))
+        objects.append(_thing(rng, f"other {number}", rng.choice(("green", "blue", "yellow")), other, HEIGHTS))
     pose = Pose2D(*start, rng.uniform(-math.pi, math.pi))
     return replace(spec, objects=tuple(objects), starts=(pose,)), place
 
@@ -79,12 +80,12 @@ def _piece(rng: Random, length: float, depth: float, number: int) -> Block:
     )
 
 
-def _thing(rng: Random, name: str, colour: str, place: Point) -> Movable:
+def _thing(rng: Random, name: str, colour: str, place: Point, heights: tuple[float, float]) -> Movable:
     shape = rng.choice(tuple(Shape))
     long = rng.uniform(0.05, 0.09)
     wide = long if shape is Shape.CYLINDER else rng.uniform(0.05, 0.09)
     pose = Pose2D(*place, rng.uniform(-math.pi, math.pi))
-    return Movable(name, shape, pose, long, wide, rng.uniform(0.1, 0.26), rng.uniform(0.2, 0.5), 0.5, colour)
+    return Movable(name, shape, pose, long, wide, rng.uniform(*heights), rng.uniform(0.2, 0.5), 0.5, colour)
 
 
 class FetchCourse(Closeable):

@@ -94,6 +94,7 @@ class FetchCycle:
         self._image_at, self._images = stamp, self._images + 1
         words = ", ".join(f"{each.colour} {hypot(each.x, each.y):.2f} m" for each in found)
         self.seen = words or "nothing of the known colours"
+        found = [each for each in found if not self.fetcher.is_held(each.x, each.y)]
         self.fetcher.objects.take(stamp, robot, found, sight.view(self._tilt))
 
     def pose(self, now: float) -> Pose2D | None:

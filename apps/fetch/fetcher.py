@@ -14,8 +14,13 @@ _REST = Twist2D()
 _ROOM = 0.12  # m before the hull, from which on an echo stops a straight approach
 _HALF_TURN = 1.75 * pi  # rad that it turns to look about
 _AGAIN = 3.0  # s after which an order to a gripper that rests elsewhere is repeated
+_CLEARED = 0.35  # m about an object, from where a sonar cone's echo of it may seem to come
+_DOUBT = 0.03  # m, of heights
+_HELD = 0.9, 0.2  # m ahead and to each side, where the camera sees what is held, taken for something on the floor
 _SEEN_FOR = 2.0  # s without a sighting from the standoff, after which the object is gone
-_HOLDING = frozenset((FetchState.GRIP, FetchState.LIFT, FetchState.CARRY, FetchState.DELIVER, FetchState.LOWER))
+_HOLDING = frozenset(
+    (FetchState.GRIP, FetchState.LIFT, FetchState.CARRY, FetchState.DELIVER, FetchState.LOWER, FetchState.RELEASE)
+)
 _SEEING = frozenset((FetchState.SEARCH, FetchState.WANDER, FetchState.APPROACH, FetchState.ALIGN, FetchState.CARRY))
 _WAITING = frozenset((FetchState.ALIGN, FetchState.GRIP, FetchState.LIFT, FetchState.LOWER, FetchState.RELEASE))
 _NEARING = frozenset((FetchState.APPROACH, FetchState.ALIGN, FetchState.ADVANCE))
@@ -76,13 +81,17 @@ class Fetcher:
 
     def ignored(self, robot: Pose2D) -> tuple[Disc, ...]:
         """Return where echoes of sonar are those of the object that is gripped or held."""
-        if self.state in _NEARING and self.target is not None:
-            return (Disc(self.target.x, self.target.y, 0.2),)
-        body = self.settings.robot
-        held = 0.0 if self.target is None else self.target.height + body.lift_m
-        if self.state in _HOLDING and held > body.sonar_m - 0.03:
-            return (Disc(*robot.transform(body.grip_m, 0.0), 0.18),)
-        return ()
+        target, body = self.target, self.settings.robot
+        lift = body.lift_m if self.state in _HOLDING else 0.0
+        if target is None or target.height + lift < body.sonar_m - _DOUBT:
+            return ()
+        if self.state in _NEARING:
+            return (Disc(target.x, target.y, target.width / 2.0),)
+        return (Disc(*robot.transform(body.grip_m, 0.0), target.width / 2.0),) if self.state in _HOLDING else ()
+
+    def is_held(self, x: float, y: float) -> bool:
+        """Return whether something seen at a point of the floor, m in base_link, is in the gripper."""
+        return self.state in _HOLDING and x < _HELD[0] and abs(y) < _HELD[1]
 
     def step(self, readings: FetchReadings) -> FetchOrders:
         """Decide once."""
@@ -165,7 +174,7 @@ class Fetcher:
             self._lose(f"the {self.colour} object is not where it was any more")
             return _REST
         if self._driving.is_plan_due(self._now):
-            self.floor.clear(target.x, target.y, 0.25)
+            self.floor.clear(target.x, target.y, _CLEARED)
             self._plan(pose, (target.x, target.y), grip.standoff_m)
         if self._driving.way is None:
             if self._driving.waits(self._now, self.settings.drive.stuck_s / 2.0):
@@ -234,6 +243,7 @@ class Fetcher:
         elif gripper.lift == "up" and self._now - self._since > 0.5:
             assert self.target is not None  # it was gripped
             self.objects.forget(self.target)
+            self.floor.clear(self.target.x, self.target.y, _CLEARED)
             self._searched = self._now
             self._go(FetchState.CARRY, "the gripper holds the object, and the lift is up")
         else:

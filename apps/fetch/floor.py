@@ -24,6 +24,8 @@ _MARGIN = 3.0  # m of floor about robot and goal, which the way may use
 _LARGEST = 60.0  # m, edge of the floor that is kept
 _ECHO_FOR = 1.0  # s for which an echo is avoided besides the grid
 _SAME_ECHO = 0.35  # m between two echoes of one obstacle, while the robot turns
+_CONE = 0.35  # rad from the axis of a disc to the edge of its cone, and some more
+_CLOSE = 0.1  # m between an echo and the surface of an object
 _NEAR = 1.2  # m about the robot, where obstacles bound its velocity
 _AHEAD = 0.45  # m along the way, to which it steers
 _TURN_FROM = 0.7  # rad off the way, above which it turns on the spot
@@ -76,7 +78,11 @@ class FetchFloor:
         """
         lengths = {disc: each for disc, each in zip(discs, ranges, strict=True) if each < self._settings.floor.echo_m}
         echoes = {disc: robot.compose(disc).transform(each, 0.0) for disc, each in lengths.items()}
-        echoes = {disc: place for disc, place in echoes.items() if not _is_within(place, ignored)}
+        echoes = {
+            disc: place
+            for disc, place in echoes.items()
+            if not any(_is_echo_of(each, robot.compose(disc), lengths[disc]) for each in ignored)
+        }
         places = [disc for disc, place in echoes.items() if self._confirms(now, disc, place)]
         self._echoes.update({disc: (now, place) for disc, place in echoes.items()})
         if not places:
@@ -260,5 +266,8 @@ def _with_discs(area: Area, discs: Iterable[Disc]) -> "np.ndarray":
     return evidence
 
 
-def _is_within(place: Point, discs: Sequence[Disc]) -> bool:
-    return any(hypot(place[0] - each.x, place[1] - each.y) <= each.radius for each in discs)
+def _is_echo_of(thing: Disc, disc: Pose2D, length: float) -> bool:
+    """Return whether an echo may be that of an object: it is in the cone of the disc, at the length of the echo."""
+    away = hypot(thing.x - disc.x, thing.y - disc.y)
+    nearest = away < thing.radius + _CLOSE
+    return abs(away - length) < thing.radius + _CLOSE and (nearest or abs(disc.bearing_to(thing.x, thing.y)) < _CONE)

@@ -22,7 +22,7 @@ _SLOW = 0.2  # s between two readings of the head
 
 
 @dataclass(frozen=True, slots=True)
-class _Reading:
+class _AskedReading:
     """What is asked of an element again and again, s from one time to the next, and what takes the answer."""
 
     request: str
@@ -64,17 +64,17 @@ class FetchRobot:
         self._requests = requests
         self.cycle = FetchCycle(settings, colour, place, _camera(robot), table)
         self._kinds = {
-            "base": _Reading("read", self._take_base),
-            "camera": _Reading("picture", self._take_picture),
-            "gripper": _Reading("read", self._take_gripper),
-            "sonar": _Reading("read", self._take_sonar),
+            "base": _AskedReading("read", self._take_base),
+            "camera": _AskedReading("picture", self._take_picture),
+            "gripper": _AskedReading("read", self._take_gripper),
+            "sonar": _AskedReading("read", self._take_sonar),
         }
         if robot.has("bumpers"):
-            self._kinds["bumpers"] = _Reading("read", self._take_bumpers)
+            self._kinds["bumpers"] = _AskedReading("read", self._take_bumpers)
         if robot.has("ptz"):
             lowest = (robot.ptz.properties.get("limits") or {}).get("tilt", (-math.inf,))[0]
             robot.ptz.look(pan=0.0, tilt=max(-settings.camera.down_rad, lowest))
-            self._kinds["ptz"] = _Reading("read", self._take_head, _SLOW)
+            self._kinds["ptz"] = _AskedReading("read", self._take_head, _SLOW)
         self._discs = {number: Pose2D(each.x, each.y, each.heading) for number, each in robot.sonar.discs.items()}
         self._ranges: dict[int, float] = {}
         self._due: dict[str, float] = {}
