@@ -9,6 +9,7 @@ from apps.indoor_navigation.algorithms.planning.search import length
 from geometry import Point, Pose2D, Twist2D, wrap_angle
 
 _REACHED = 0.12  # m
+_PASSED = 0.4  # m from a corner of the way
 _NEARER = 0.05  # m, that count as coming nearer
 _LEAST_TURN = 0.06  # rad/s; slower, wheels do not turn
 _MOST_STEER = 0.3  # rad/s on the straight way
@@ -77,8 +78,7 @@ class FetchDriving:
 
     def is_stuck(self, now: float, pose: Pose2D) -> bool:
         """Return whether the robot has not come nearer to the end of the way for some time."""
-        way = self.way or ((pose.x, pose.y),) * 2
-        away = hypot(way[-1][0] - pose.x, way[-1][1] - pose.y) if len(way) == 2 else length(way)
+        away = length(((pose.x, pose.y), *(self.way or ())[1:]))
         if away < self._nearest - _NEARER:
             self._nearest, self._nearer_at = away, now
         return self.waits(now, self._settings.drive.stuck_s)
@@ -90,6 +90,8 @@ class FetchDriving:
         the heading of the start, the robot turns the other way round before it drives.
         """
         assert self.way is not None  # it is planned before
+        while len(self.way) > 2 and hypot(self.way[1][0] - pose.x, self.way[1][1] - pose.y) < _PASSED:
+            self.way = self.way[:1] + self.way[2:]
         (x, y), most = self.way[-1], self._settings.drive.turn_rad_s
         off = self._wound - atan2(y - pose.y, x - pose.x)
         self._is_unwound = self._is_unwound or abs(off) <= pi

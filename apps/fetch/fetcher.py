@@ -152,12 +152,12 @@ class Fetcher:
     def _look_elsewhere(self, pose: Pose2D) -> None:
         """Drive to a place from where it has not looked."""
         self._looked_from.append((pose.x, pose.y))
-        goal = self.floor.next_view(pose, self._looked_from, self.objects.discs())
-        if goal is None:
+        way = self.floor.next_view(pose, self._looked_from, self.objects.discs())
+        if way is None:
             self._search()
         else:
             self._go(FetchState.WANDER, f"no {self.colour} object is in sight")
-            self._driving.way = (pose.x, pose.y), goal
+            self._driving.way = way
 
     def _search(self) -> None:
         self._driving.look_about()

@@ -31,7 +31,8 @@ _AHEAD = 0.45  # m along the way, to which it steers
 _TURN_FROM = 0.7  # rad off the way, above which it turns on the spot
 _TURN_UNTIL = 0.2
 _SIDES = 16  # from which a place is approached
-_FREE = 2.5  # cost of a metre, below which a straight way is free
+_FREE = 2.5  # cost of a metre of floor that is not near obstacles
+_FAR = 2.5  # times the step to the next place to look from, the most that the way there may cost
 _KEPT = 0.8  # of the cost of the end that the way has so far
 _SEEN = 8  # evidence for an obstacle that is seen
 
@@ -177,8 +178,8 @@ class FetchFloor:
         way = find_way(ground, (robot.x, robot.y), place, 0.0)
         return None if way is None else (*way[:-1], place)
 
-    def next_view(self, robot: Pose2D, looked_from: Sequence[Point], discs: Sequence[Disc]) -> Point | None:
-        """Return a place that can be driven to straight, far from all places where the robot has looked about.
+    def next_view(self, robot: Pose2D, looked_from: Sequence[Point], discs: Sequence[Disc]) -> tuple[Point, ...] | None:
+        """Return the way to the next place to look from: the nearest one far from all where the robot has looked about.
 
         Args:
             robot: In odom.
@@ -187,16 +188,18 @@ class FetchFloor:
         """
         step = self._settings.search.step_m
         ground = self.ground(robot, (robot.x, robot.y), discs)
-        near: list[tuple[float, Point]] = []
-        for away in (0.75 * step, step, 1.5 * step):
-            for number in range(_SIDES):
-                turn = robot.heading + number * 2.0 * pi / _SIDES
-                place = robot.x + away * cos(turn), robot.y + away * sin(turn)
-                if ground.cost_between((robot.x, robot.y), place) < _FREE * away:
-                    near.append((min(hypot(place[0] - x, place[1] - y) for x, y in looked_from), place))
-            if near and (away > step or max(near)[0] >= step):
-                return max(near)[1]
-        return None
+        area, (rows, columns) = ground.area, ground.cost.shape
+        x = area.x + (np.arange(columns)[None, :] + 0.5) * area.resolution
+        y = area.y + (np.arange(rows)[:, None] + 0.5) * area.resolution
+        costs = costs_to(ground, (robot.x, robot.y), 0.0) * area.resolution
+        new = np.min([np.hypot(x - a, y - b) for a, b in looked_from], axis=0)
+        able = (ground.cost < _FREE) & (costs < _FAR * step) & (np.hypot(x - robot.x, y - robot.y) > step / 2.0)
+        if not able.any():
+            return None
+        are_new = able & (new >= step)
+        best = np.where(are_new, costs, np.inf).argmin() if are_new.any() else np.where(able, new, 0.0).argmax()
+        row, column = np.unravel_index(int(best), costs.shape)
+        return find_way(ground, (robot.x, robot.y), area.place(int(row), int(column)), 0.0)
 
     def follow(self, now: float, robot: Pose2D, way: Sequence[Point], discs: Sequence[Disc]) -> Twist2D:
         """Return the velocity to a place along a way.

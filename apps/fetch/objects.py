@@ -116,7 +116,7 @@ class FloorObjects:
     def left(self, colour: str) -> str:
         """Return why objects of a colour are not fetched, as the end of a sentence; empty if none is left."""
         return "".join(
-            f"; the one at ({each.x:.1f}, {each.y:.1f}) {each.is_left}"
+            f"; the one at ({round(each.x, 1) + 0.0}, {round(each.y, 1) + 0.0}) {each.is_left}"
             for each in self.known()
             if each.colour == colour and each.is_left
         )
