@@ -14,7 +14,8 @@ SUITE = "it is run by `make test` as a whole"
 FORMATION = "tests/apps/formation/test_on_a_team.py, with two robots"
 FOLLOWING = "tests/apps/robot_following/test_on_a_team.py, with two robots"
 OPTICAL_FLOW = "tests/apps/optical_flow/test_on_a_team.py"
-_CALIBRATED = "tests/acromovi/test_camera.py, on drawn chessboards"
+CALIBRATION = "tests/acromovi/test_camera.py, on drawn chessboards"
+FETCH = "tests/apps/fetch/test_on_a_team.py"
 ELSEWHERE = {
     "acromovi try gripper": "tests/acromovi/test_scenes.py",
     "acromovi up acromovi": "tests/acromovi/team/test_team_of_seven.py",
@@ -35,8 +36,8 @@ ELSEWHERE = {
     ),
     "acromovi ask formation@apps shape shape=line": FORMATION,
     "acromovi ask formation@apps status": FORMATION,
-    "acromovi camera calibrate doc --board 9x6 --into my-team.toml doc": _CALIBRATED,
-    "acromovi camera calibrate views/*.png --board 9x6 --into my-team.toml doc": _CALIBRATED,
+    "acromovi camera calibrate doc --board 9x6 --into my-team.toml doc": CALIBRATION,
+    "acromovi camera calibrate views/*.png --board 9x6 --into my-team.toml doc": CALIBRATION,
     "acromovi remote-vision happy": "tests/apps/remote_vision, on any free port",
     "acromovi run robot_following robot=happy": FOLLOWING,
     "acromovi run robot_following robots=happy,sleepy": FOLLOWING,
@@ -49,6 +50,9 @@ ELSEWHERE = {
     "acromovi run optical_flow robot=bart page=8080": "tests/apps/optical_flow/test_in_a_browser.py, on any free port",
     "acromovi promote optical_flow robot=bart": OPTICAL_FLOW,
     "acromovi ask optical_flow@apps status": OPTICAL_FLOW,
+    "acromovi run fetch robot=bart colour=red place=[0.5,0.6]": FETCH,
+    "acromovi promote fetch robot=bart colour=red place=[0.5,0.6]": FETCH,
+    "acromovi ask fetch@apps status": FETCH,
     "acromovi teleop happy": "tests/acromovi/test_teleop.py",
     "acromovi container --services acromovi": IN_TERMINALS,
     "acromovi wire /dev/ttyUSB0 --listen /tmp/tapped": "tests/acromovi/test_wire.py",

@@ -37,7 +37,8 @@ from tests.waiting import wait_until
 LINES = {line for name in ("clients", "emulator") for line in to_run(name, "p2os-emu")}
 OPTIONS = re.findall(r"^\|[^|]*\| `(--robot [^`]*)` \|$", page("emulator"), re.MULTILINE)
 TOML_OF_AGENTS = {"services", "wrappers"}  # tests/agents/services/test_page.py, tests/agents/wrappers/test_page.py
-OF_APPLICATIONS = {"following", "formation", "navigation", "optical-flow"}  # tests/apps, tests/acromovi/navigation
+# tests/apps, tests/acromovi/navigation
+OF_APPLICATIONS = {"fetch", "following", "formation", "navigation", "optical-flow"}
 NUMBERED_SOUND = '{"number": 3}'
 HOMING = 10.0  # s
 LAB = '2D-Map\nCairn: RobotHome 2000 2000 0 "" ICON "home"\nLINES\n0 0 9000 0\nDATA\n'

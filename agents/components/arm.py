@@ -1,13 +1,15 @@
-"""The agent of an arm, on any cable: it moves joints, homes and parks them."""
+"""The agent of an arm, on any cable: it moves joints and the tip of the gripper, homes and parks."""
 
+import asyncio
 from collections.abc import Callable, Mapping
 from typing import Any, ClassVar
 
+from agents.components.arm_kinematics import ArmKinematics, ReachError
 from agents.components.component import known
 from agents.components.motions import MotionGoal, Phase
 from agents.components.moving import MovingElementAgent, Result
 from agents.platform import on, request
-from bus import keys
+from bus import Refused, keys
 from bus.keys import frame
 from bus.messages import NS_PER_S, Arm, JointState, stamp_ns
 
@@ -87,6 +89,27 @@ class ArmAgent(MovingElementAgent):
         )
         return await self.carry_out(goal, token, wait, do="move", joints=joints, speed=speed)
 
+    @request("reach", agrees_itself=True)
+    async def reach(
+        self, x: float, y: float, z: float, speed: float | None = None, wait: bool = True, token: str = ""
+    ) -> dict[str, Any]:
+        """Bring the tip of the gripper to a point, m in base_link; the fingers stay as they are.
+
+        The result has the point as `tip`, by the joints as they are reported.
+        """
+        kinematics = self._kinematics
+        if kinematics is None:
+            raise Refused("the lengths of the arm are not known; send its joints by move")
+        present = self._angles(await self.read())
+        try:  # in a thread: it may take some tenths of a second
+            angles = await asyncio.to_thread(kinematics.reach, (x, y, z), present)
+        except ReachError as err:
+            raise Refused(str(err)) from err
+        joints = {str(number): float(angle) for number, angle in enumerate(angles, 1)}
+        result = await self.move_joints(joints, speed, wait, token)
+        tip = kinematics.forward(self._angles(result))
+        return {**result, "tip": [float(each) for each in tip]}
+
     @request("home", agrees_itself=True)
     async def go_home(self, wait: bool = True, token: str = "") -> dict[str, Any]:
         """Send every joint home."""
@@ -124,6 +147,27 @@ class ArmAgent(MovingElementAgent):
 
         goal = MotionGoal(what, self._every_joint, judge, LONGEST, time_to_start=SETTLING, pause=PAUSE)
         return await self.carry_out(goal, token, wait, **order)
+
+    @classmethod
+    def properties_of(cls, robot: Mapping[str, Any], element: Mapping[str, Any]) -> dict[str, Any]:
+        """Return the properties, with the hull that carries the arm."""
+        return {**super().properties_of(robot, element), "hull": robot["geometry"]}
+
+    @property
+    def _kinematics(self) -> ArmKinematics | None:
+        return ArmKinematics.of(self.properties)
+
+    def _angles(self, result: Result) -> list[float]:
+        """Return the angles of the turning joints.
+
+        Raises:
+            Refused: One of them is not known.
+        """
+        turning = [name for name, row in self._rows.items() if row["unit"] == "rad"]
+        angles = [result["joints"].get(name) for name in turning]
+        if any(angle is None for angle in angles):
+            raise Refused('the arm does not know where its joints are; send arm {"do": "home"}')
+        return [float(angle) for angle in angles if angle is not None]
 
     @property
     def _rows(self) -> dict[str, Mapping[str, Any]]:

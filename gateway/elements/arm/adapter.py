@@ -19,6 +19,7 @@ from gateway.elements.arm.element import ArmElement
 from gateway.elements.arm.joint_limits import JointLimits
 from gateway.errors import CommandRefused
 from gateway.events import ArmSeen
+from p2os.accessories.arm_model import ArmModel
 
 T = TypeVar("T")
 
@@ -43,6 +44,10 @@ class ArmCommands(Protocol):
     @property
     def limits(self) -> Sequence[JointLimits]:
         """The limits of every joint."""
+
+    @property
+    def model(self) -> ArmModel:
+        """The model that it is taken for: the robot does not tell lengths."""
 
     def move(self, targets: Mapping[int, float], speed: float | None, now: float) -> None:
         """Send joints to their targets, rad (m), each turning one at `speed`, rad/s; at its usual one if None."""
@@ -88,7 +93,7 @@ class ArmAdapter(BusAdapter[ArmSeen]):
         yield keys.JOINT_STATES, joints
 
     def describe(self) -> Mapping[str, Any]:
-        """Return limits, speed and home of the joints, as the arm reports them."""
+        """Return limits, speed and home of the joints, as the arm reports them, and its chain of joints."""
         names = self._joint_names(len(self._limits))
         joints = [
             {
@@ -101,7 +106,11 @@ class ArmAdapter(BusAdapter[ArmSeen]):
             }
             for name, each in zip(names, self._limits, strict=True)
         ]
-        return {"joints": joints}
+        return {"joints": joints, "chain": _chain(self._arm_model)}
+
+    @property
+    def _arm_model(self) -> ArmModel:
+        return self._driver.lookup(ArmElement).model
 
     @property
     def _limits(self) -> Sequence[JointLimits]:
@@ -145,6 +154,23 @@ class ArmAdapter(BusAdapter[ArmSeen]):
         return self._call(lambda arm, at: _duration_of(arguments, arm), now)
 
     commands = (CommandRow(keys.REACH, {"do": str}, _reach, name, may_take=_MAY_TAKE, duration=_duration),)
+
+
+def _chain(model: ArmModel) -> dict[str, Any]:
+    """Return axes and lengths, m in base_link, when all joints are at zero.
+
+    `base` is where the arm stands; `axes` and `offsets` are of each joint, an offset from the joint before; `tip` is
+    between the ends of the fingers, from the last joint.
+    """
+    gripper = model.gripper
+    ahead = np.array(gripper.offset_m) / np.linalg.norm(gripper.offset_m)
+    tip = np.array(gripper.offset_m) + gripper.centre_m + ahead * np.abs(ahead @ np.array(gripper.finger_m)) / 2.0
+    return {
+        "base": list(model.base_m),
+        "axes": [list(joint.axis) for joint in model.joints],
+        "offsets": [list(joint.offset_m) for joint in model.joints],
+        "tip": [round(each, 6) for each in tip.tolist()],
+    }
 
 
 def _carry_out(what: str, given: Arguments, arm: ArmCommands, now: float) -> None:

@@ -86,6 +86,11 @@ class ArmElement(AskedElement[ArmInformation | ArmReport]):
         """The limits of every joint."""
         return [scale.limits for scale in self._scales]
 
+    @property
+    def model(self) -> ArmModel:
+        """The model of every Pioneer arm."""
+        return _pioneer_arm()
+
     def move(self, targets: Mapping[int, float], speed: float | None, now: float) -> None:
         """Send joints to their targets, rad (m), each turning one at `speed`, rad/s; at its usual one if None.
 

@@ -7,6 +7,7 @@ from gateway.cables.cable import ElementCable
 from gateway.elements.adapter import RobotContext
 from gateway.elements.arm.adapter import ArmAdapter, ArmCommands
 from gateway.elements.arm.joint_limits import JointLimits
+from p2os.accessories.arm_model import ArmModel
 
 T = TypeVar("T")
 
@@ -17,6 +18,11 @@ class _PowerCubeAdapter(ArmAdapter):
     def __init__(self, robot: RobotContext, cable: ElementCable) -> None:
         super().__init__(robot, cable)
         self._arm = cable
+
+    @property
+    def _arm_model(self) -> ArmModel:
+        model: ArmModel = self._arm.driver.model
+        return model
 
     @property
     def _limits(self) -> Sequence[JointLimits]:

@@ -76,7 +76,7 @@ class _Module:
 class PowerCubeDriver:
     """One arm; an `ElementDriver`, and `ArmCommands`.
 
-    limits: of every joint, as the modules report, once the arm was found; the gripper's is the last.
+    model: of the arm. limits: of every joint, as the modules report, once the arm was found; the gripper's is the last.
     """
 
     def __init__(self, model: ArmModel, *, has_rate: bool = True) -> None:
@@ -90,6 +90,7 @@ class PowerCubeDriver:
         """
         if model.cubes is None:
             raise ValueError(f"the arm {model.name!r} is not made of modules")
+        self.model = model
         self.baud = model.cubes.baud if has_rate else 0
         self.deadline = inf
         self.has_port = False

@@ -51,6 +51,8 @@ CALLS: dict[str, list[Callable[[Any], object]]] = {
         lambda arm: arm.move({1: 0.5}),
         lambda arm: arm.move({np.int64(1): np.float32(0.5)}),
         lambda arm: arm.move({"1": 0.5}, speed=0.3),
+        lambda arm: arm.reach(0.45, 0.0, 0.3),
+        lambda arm: arm.reach(0.45, 0.0, 0.3, speed=0.2),
         lambda arm: arm.home(),
         lambda arm: arm.park(),
         lambda arm: arm.power(),

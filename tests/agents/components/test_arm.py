@@ -56,6 +56,46 @@ def test_arm_parks_and_has_no_power_then(powered: "Lab") -> None:
     assert powered.ask("arm", "move", joints={"1": 0.3}).is_done
 
 
+def test_tip_is_brought_to_a_point(powered: "Lab") -> None:
+    model = powered.value("arm", "move", joints={"2": 0.5, "4": 0.3})
+    x, y, z = powered.value("arm", "reach", **dict(zip("xyz", TIP[len(joints(model))], strict=True)))["tip"]
+    assert (x, y, z) == pytest.approx(TIP[len(joints(model))], abs=0.01)
+
+
+TIP = {6: (0.45, 0.1, 0.4), 8: (0.5, 0.2, 0.7)}  # m, by the joints of the arm
+
+
+@pytest.mark.parametrize(
+    ("point", "why"),
+    [
+        ((3.0, 0.0, 0.5), "out of the arm's reach; the nearest point that it reaches is "),
+        ((0.3, 0.0, -0.2), "below the floor; the nearest one is 0.2 m above it"),
+        ((0.0, 0.0, 0.1), "inside the robot's own body"),
+    ],
+)
+def test_point_that_the_tip_cannot_get_to_is_refused_before_anything_moves(
+    powered: "Lab", point: tuple[float, float, float], why: str
+) -> None:
+    before = joints(powered.value("arm", "read"))
+    refused = powered.ask("arm", "reach", **dict(zip("xyz", point, strict=True)))
+    assert refused.ending is Ending.REFUSED
+    assert why in refused.why
+    assert joints(powered.value("arm", "read")) == pytest.approx(before, abs=0.001)
+
+
+def test_reaching_that_is_cancelled_stops_the_arm(powered: "Lab") -> None:
+    asking = powered.begin(
+        "arm", "reach", **dict(zip("xyz", TIP[len(joints(powered.value("arm", "read")))], strict=True)), speed=0.1
+    )
+    powered.run(2.0)
+    asking.cancel()
+    powered.run(1.0)
+    stopped = powered.value("arm", "read")
+    assert not stopped["moving"]
+    powered.run(1.0)
+    assert powered.value("arm", "read")["joints"] == joints(stopped)
+
+
 @pytest.mark.parametrize(
     ("name", "given", "why"),
     [

@@ -1,0 +1,276 @@
+"""Ways over the floor: what sonar has heard, the cheapest way to a place, and the next velocity on it.
+
+The grid, its costs and the search are those of the indoor navigation; the admissible velocity is that of formations.
+"""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from math import atan2, cos, dist, hypot, pi, sin, sqrt
+
+import numpy as np
+
+from apps.fetch.settings import FetchSettings
+from apps.formation.avoidance import admissible_twist
+from apps.formation.settings import Safety
+from apps.indoor_navigation.algorithms.planning.area import Area
+from apps.indoor_navigation.algorithms.planning.grid import Grid, GridParameters
+from apps.indoor_navigation.algorithms.planning.search import NO_WAY, costs_to, find_way
+from apps.indoor_navigation.algorithms.planning.terrain import BARRED, CostParameters, Terrain, terrain
+from apps.indoor_navigation.algorithms.rays import Rays
+from apps.indoor_navigation.data import ObstRead, SonarRead
+from geometry import Point, Pose2D, Twist2D
+
+_MARGIN = 3.0  # m of floor about robot and goal, which the way may use
+_LARGEST = 60.0  # m, edge of the floor that is kept
+_ECHO_FOR = 1.0  # s for which an echo is avoided besides the grid
+_SAME_ECHO = 0.35  # m between two echoes of one obstacle, while the robot turns
+_CONE = 0.35  # rad from the axis of a disc to the edge of its cone, and some more
+_CLOSE = 0.1  # m between an echo and the surface of an object
+_NEAR = 1.2  # m about the robot, where obstacles bound its velocity
+_AHEAD = 0.45  # m along the way, to which it steers
+_TURN_FROM = 0.7  # rad off the way, above which it turns on the spot
+_TURN_UNTIL = 0.2
+_SIDES = 16  # from which a place is approached
+_FREE = 2.5  # cost of a metre of floor that is not near obstacles
+_FAR = 2.5  # times the step to the next place to look from, the most that the way there may cost
+_KEPT = 0.8  # of the cost of the end that the way has so far
+_SEEN = 8  # evidence for an obstacle that is seen
+
+
+@dataclass(frozen=True, slots=True)
+class Disc:
+    """An obstacle that sonar does not hear: its middle in odom and its radius, m."""
+
+    x: float
+    y: float
+    radius: float
+
+
+class FetchFloor:
+    """The floor about one robot."""
+
+    def __init__(self, settings: FetchSettings) -> None:
+        floor, drive = settings.floor, settings.drive
+        self._settings = settings
+        self._grid = Grid(GridParameters(floor.resolution_m, floor.echo_m, floor.echo_m, _LARGEST, 3.0, 1.5))
+        self._costs = CostParameters(0.0, floor.comfort_m, 4.0, 20.0, 1.3, 2.0, 15.0, 10.0, 10.0)
+        self._safety = Safety(
+            settings.robot.radius_m, {}, 0.0, 0.0, floor.gap_m, floor.horizon_s, drive.braking_m_s2, 1.0
+        )
+        self._echoes: dict[Pose2D, tuple[float, Point]] = {}  # the last of each disc: when, and where in odom
+        self._is_turning = False
+
+    def hear(
+        self,
+        now: float,
+        robot: Pose2D,
+        discs: Sequence[Pose2D],
+        ranges: Sequence[float],
+        ignored: Sequence[Disc] = (),
+    ) -> None:
+        """Take the ranges of sonar discs.
+
+        Args:
+            now: s, when they were measured.
+            robot: Then, in odom.
+            discs: Their poses on the robot.
+            ranges: m; infinite without an echo.
+            ignored: Where echoes are those of an object that is gripped or held.
+        """
+        lengths = {disc: each for disc, each in zip(discs, ranges, strict=True) if each < self._settings.floor.echo_m}
+        echoes = {disc: robot.compose(disc).transform(each, 0.0) for disc, each in lengths.items()}
+        echoes = {
+            disc: place
+            for disc, place in echoes.items()
+            if not any(_is_echo_of(each, robot.compose(disc), lengths[disc]) for each in ignored)
+        }
+        places = [disc for disc, place in echoes.items() if self._confirms(now, disc, place)]
+        self._echoes.update({disc: (now, place) for disc, place in echoes.items()})
+        if not places:
+            return
+        rays = Rays.of_sonar(
+            SonarRead(
+                now,
+                (robot.x, robot.y, robot.heading),
+                np.array([each.x for each in places]),
+                np.array([each.y for each in places]),
+                np.array([each.heading for each in places]),
+                np.array([lengths[each] for each in places]),
+            )
+        )
+        hits = rays.hits.astype(np.float64)
+        self._grid.see(
+            ObstRead(
+                now,
+                (robot.x, robot.y, robot.heading),
+                None,
+                0.0,
+                rays.origin_x,
+                rays.origin_y,
+                rays.end_x,
+                rays.end_y,
+                hits,
+                is_dead_end=False,
+            )
+        )
+
+    def _confirms(self, now: float, disc: Pose2D, place: Point) -> bool:
+        """Return whether the disc's echo before came from near; a single echo may be that of another disc's sound."""
+        before = self._echoes.get(disc)
+        return before is not None and now - before[0] < _ECHO_FOR and dist(before[1], place) < _SAME_ECHO
+
+    def clear(self, x: float, y: float, radius: float) -> None:
+        """Take what was heard within a radius, m, for the object that is to be gripped, and forget it."""
+        if self._grid.area.evidence.size:
+            self._grid.doubt(x, y, radius)
+        self._echoes = {
+            disc: (at, place)
+            for disc, (at, place) in self._echoes.items()
+            if hypot(place[0] - x, place[1] - y) > radius
+        }
+
+    def ground(self, robot: Pose2D, goal: Point, discs: Iterable[Disc] = ()) -> Terrain:
+        """Return the costs of the floor about robot and goal."""
+        for place in ((robot.x, robot.y), goal):
+            self._grid.include(place, _MARGIN)
+        area = self._grid.area.around((robot.x, robot.y), goal, margin=_MARGIN)
+        seen = Area.of(area.x, area.y, area.resolution, _with_discs(area, discs))
+        return terrain(seen, self._settings.floor.half_width_m, self._costs, robot=(robot.x, robot.y))
+
+    def standoff(
+        self,
+        robot: Pose2D,
+        goal: Point,
+        away: float,
+        until: float,
+        discs: Sequence[Disc],
+        before: Sequence[Point] | None = None,
+    ) -> tuple[Point, ...] | None:
+        """Return the cheapest way to a place from which a goal can be approached straight; None where there is none.
+
+        Args:
+            robot: In odom.
+            goal: In odom.
+            away: Of the place from the goal, m.
+            until: m from the goal, to which the straight approach must be free.
+            discs: Obstacles besides those that sonar has heard.
+            before: The way so far; its end is kept unless another one is clearly better.
+        """
+        ground = self.ground(robot, goal, discs)
+        costs = costs_to(ground, (robot.x, robot.y), 0.0)
+        best: tuple[float, Point] | None = None
+        direct = atan2(robot.y - goal[1], robot.x - goal[0])
+        sides = [(1.0, direct + number * 2.0 * pi / _SIDES) for number in range(_SIDES)]
+        if before:
+            sides.append((_KEPT, atan2(before[-1][1] - goal[1], before[-1][0] - goal[0])))
+        for share, side in sides:
+            c, s = cos(side), sin(side)
+            place = goal[0] + away * c, goal[1] + away * s
+            lane = ground.cost_of(place, (goal[0] + until * c, goal[1] + until * s))
+            cost = costs[ground.area.cell(*place)] * ground.area.resolution + lane
+            if cost < min(BARRED, NO_WAY * ground.area.resolution) and (best is None or share * cost < best[0]):
+                best = share * cost, place
+        if best is None:
+            return None
+        place = best[1]
+        if hypot(place[0] - robot.x, place[1] - robot.y) < self._settings.floor.resolution_m:
+            return (robot.x, robot.y), place
+        way = find_way(ground, (robot.x, robot.y), place, 0.0)
+        return None if way is None else (*way[:-1], place)
+
+    def next_view(self, robot: Pose2D, looked_from: Sequence[Point], discs: Sequence[Disc]) -> tuple[Point, ...] | None:
+        """Return the way to the next place to look from: the nearest one far from all where the robot has looked about.
+
+        Args:
+            robot: In odom.
+            looked_from: Those places, m in odom.
+            discs: Obstacles besides those that sonar has heard.
+        """
+        step = self._settings.search.step_m
+        ground = self.ground(robot, (robot.x, robot.y), discs)
+        area, (rows, columns) = ground.area, ground.cost.shape
+        x = area.x + (np.arange(columns)[None, :] + 0.5) * area.resolution
+        y = area.y + (np.arange(rows)[:, None] + 0.5) * area.resolution
+        costs = costs_to(ground, (robot.x, robot.y), 0.0) * area.resolution
+        new = np.min([np.hypot(x - a, y - b) for a, b in looked_from], axis=0)
+        able = (ground.cost < _FREE) & (costs < _FAR * step) & (np.hypot(x - robot.x, y - robot.y) > step / 2.0)
+        if not able.any():
+            return None
+        are_new = able & (new >= step)
+        best = np.where(are_new, costs, np.inf).argmin() if are_new.any() else np.where(able, new, 0.0).argmax()
+        row, column = np.unravel_index(int(best), costs.shape)
+        return find_way(ground, (robot.x, robot.y), area.place(int(row), int(column)), 0.0)
+
+    def follow(self, now: float, robot: Pose2D, way: Sequence[Point], discs: Sequence[Disc]) -> Twist2D:
+        """Return the velocity to a place along a way.
+
+        Args:
+            now: s.
+            robot: In odom.
+            way: Corners in odom; the last is the place.
+            discs: Obstacles besides those that sonar has heard.
+        """
+        wanted = self._wanted(robot, way)
+        obstacles = self._obstacles(now, robot, discs)
+        drive = self._settings.drive
+        most = Twist2D(drive.speed_m_s, drive.turn_rad_s)
+        radius = self._settings.robot.radius_m
+        return admissible_twist(wanted, wanted, obstacles, (), radius, self._safety, most)
+
+    def is_free_behind(self, now: float, robot: Pose2D, room: float) -> bool:
+        """Return whether the robot may back off by a distance, m."""
+        half = self._settings.robot.half_width_m + 0.03
+        rear = self._settings.robot.radius_m + room
+        return not any(
+            -rear < x < 0.0 and abs(y) < half for x, y in self._obstacles(now, robot, ()) if hypot(x, y) > 0.1
+        )
+
+    def echo_ahead(self, now: float, robot: Pose2D) -> float:
+        """Return how far before the hull the nearest echo in the lane is, m; infinite without one."""
+        half, front = self._settings.robot.half_width_m, self._settings.robot.front_m
+        recent = (robot.locate(*place) for at, place in self._echoes.values() if now - at < _ECHO_FOR)
+        return min((x - front for x, y in recent if x > 0.0 and abs(y) < half), default=np.inf)
+
+    def _wanted(self, robot: Pose2D, way: Sequence[Point]) -> Twist2D:
+        drive, goal = self._settings.drive, way[-1]
+        left = hypot(goal[0] - robot.x, goal[1] - robot.y)
+        aim = next((each for each in way[1:] if hypot(each[0] - robot.x, each[1] - robot.y) > _AHEAD), goal)
+        off = robot.bearing_to(*aim)
+        self._is_turning = abs(off) > (_TURN_UNTIL if self._is_turning else _TURN_FROM)
+        turn = max(-drive.turn_rad_s, min(drive.turn_rad_s, drive.gain * off))
+        if self._is_turning:
+            return Twist2D(0.0, turn)
+        speed = min(drive.speed_m_s, sqrt(2.0 * drive.braking_m_s2 * left) + 0.02)
+        return Twist2D(speed * max(0.0, cos(off)), turn)
+
+    def _obstacles(self, now: float, robot: Pose2D, discs: Sequence[Disc]) -> list[tuple[float, float]]:
+        """Return obstacles near the robot in base_link, m."""
+        places = [place for at, place in self._echoes.values() if now - at < _ECHO_FOR]
+        if self._grid.area.evidence.size:
+            near = self._grid.area.around((robot.x, robot.y), margin=_NEAR)
+            places += [near.place(int(row), int(column)) for row, column in np.argwhere(near.occupied)]
+        for disc in discs:
+            places += [
+                (disc.x + disc.radius * cos(turn), disc.y + disc.radius * sin(turn))
+                for turn in np.linspace(-pi, pi, 8, endpoint=False)
+            ]
+        local = (robot.locate(*place) for place in places)
+        return [(x, y) for x, y in local if hypot(x, y) < _NEAR]
+
+
+def _with_discs(area: Area, discs: Iterable[Disc]) -> "np.ndarray":
+    """Return the evidence of an area with discs in it."""
+    evidence = area.evidence.copy()
+    rows, columns = evidence.shape
+    y = area.y + (np.arange(rows)[:, None] + 0.5) * area.resolution
+    x = area.x + (np.arange(columns)[None, :] + 0.5) * area.resolution
+    for disc in discs:
+        evidence[np.hypot(x - disc.x, y - disc.y) <= disc.radius + area.resolution / 2.0] = _SEEN
+    return evidence
+
+
+def _is_echo_of(thing: Disc, disc: Pose2D, length: float) -> bool:
+    """Return whether an echo may be that of an object: it is in the cone of the disc, at the length of the echo."""
+    away = hypot(thing.x - disc.x, thing.y - disc.y)
+    nearest = away < thing.radius + _CLOSE
+    return abs(away - length) < thing.radius + _CLOSE and (nearest or abs(disc.bearing_to(thing.x, thing.y)) < _CONE)

@@ -1,0 +1,170 @@
+"""Settings of the application, from one file; `settings.toml` beside this module has all of them with their meaning."""
+
+import re
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+import configs
+from configs.settings import load_with_changes
+
+SETTINGS = Path(__file__).with_name("settings.toml")
+_COLOUR = re.compile(r"#([0-9a-fA-F]{2})([0-9a-fA-F]{2})([0-9a-fA-F]{2})")
+
+
+@dataclass(frozen=True, slots=True)
+class FetchBody:
+    """The robot and its gripper."""
+
+    radius_m: float
+    half_width_m: float
+    front_m: float
+    grip_m: float
+    opening_m: float
+    lift_m: float
+    sonar_m: float
+
+
+@dataclass(frozen=True, slots=True)
+class FetchDrive:
+    """How the robot moves."""
+
+    speed_m_s: float
+    turn_rad_s: float
+    gain: float
+    braking_m_s2: float
+    creep_m_s: float
+    back_m_s: float
+    stuck_s: float
+
+
+@dataclass(frozen=True, slots=True)
+class FetchCamera:
+    """Where the camera is, and what is made of its images."""
+
+    forward_m: float
+    height_m: float
+    down_rad: float
+    silent_s: float
+    range_m: float
+    smallest_px: float
+
+
+@dataclass(frozen=True, slots=True)
+class ObjectSize:
+    """What can be an object to fetch."""
+
+    narrowest_m: float
+    widest_m: float
+    lowest_m: float
+    highest_m: float
+    place_m: float
+
+
+@dataclass(frozen=True, slots=True)
+class TrackSettings:
+    """How sightings become objects."""
+
+    gate_m: float
+    gate_share: float
+    deviation_m: float
+    deviation_1_m: float
+    sightings: float
+    misses: float
+    sure_m: float
+
+
+@dataclass(frozen=True, slots=True)
+class SearchPattern:
+    """How an object is looked for."""
+
+    turn_rad_s: float
+    step_m: float
+    give_up_s: float
+
+
+@dataclass(frozen=True, slots=True)
+class GripSettings:
+    """How an object is gripped."""
+
+    standoff_m: float
+    standoff_images: float
+    facing_rad: float
+    straight_m: float
+    beyond_m: float
+    wait_s: float
+    back_m: float
+
+
+@dataclass(frozen=True, slots=True)
+class PlaceSettings:
+    """How an object is put down."""
+
+    standoff_m: float
+
+
+@dataclass(frozen=True, slots=True)
+class FloorSettings:
+    """Ways over the floor."""
+
+    resolution_m: float
+    echo_m: float
+    half_width_m: float
+    comfort_m: float
+    gap_m: float
+    horizon_s: float
+    replan_s: float
+
+
+@dataclass(frozen=True, slots=True)
+class NamedColours:
+    """Colours in full light, as #rrggbb."""
+
+    red: str
+    green: str
+    blue: str
+    yellow: str
+
+
+@dataclass(frozen=True, slots=True)
+class FetchSettings:
+    """All settings; each is described in `settings.toml`."""
+
+    period_s: float
+    report_s: float
+    attempts: int
+    robot: FetchBody
+    drive: FetchDrive
+    camera: FetchCamera
+    object: ObjectSize
+    track: TrackSettings
+    search: SearchPattern
+    grip: GripSettings
+    place: PlaceSettings
+    floor: FloorSettings
+    colours: NamedColours
+
+    @classmethod
+    def load(cls, file: str | Path | None = None) -> "FetchSettings":
+        """Return the shipped settings, with the changes of a file.
+
+        Raises:
+            ConfigError: The file cannot be read, or a setting is unknown or not valid.
+        """
+        settings, source = load_with_changes(cls, SETTINGS, file)
+        for name, text in asdict(settings.colours).items():
+            if not _COLOUR.fullmatch(text):
+                raise configs.ConfigError(f"{source}: colours.{name} must be a colour such as #cc1f1f, not {text!r}")
+        for name, value, most in (
+            ("period_s", settings.period_s, 0.5),
+            ("object.widest_m", settings.object.widest_m, settings.robot.opening_m),
+            ("drive.speed_m_s", settings.drive.speed_m_s, 1.0),
+        ):
+            if value > most:
+                raise configs.ConfigError(f"{source}: {name} must be at most {most:g}, not {value:g}")
+        return settings
+
+    @property
+    def shades(self) -> dict[str, tuple[int, int, int]]:
+        """The named colours as red, green and blue, 0 to 255."""
+        found = {name: _COLOUR.fullmatch(text) for name, text in asdict(self.colours).items()}
+        return {name: (int(each[1], 16), int(each[2], 16), int(each[3], 16)) for name, each in found.items() if each}

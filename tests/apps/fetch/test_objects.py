@@ -1,0 +1,51 @@
+"""Objects kept from sightings."""
+
+from apps.fetch.objects import FloorObjects
+from apps.fetch.settings import FetchSettings
+from apps.fetch.sight import CameraView, ObjectSighting
+from geometry import Pose2D
+
+VIEW = CameraView(0.44, 0.6)
+
+
+def objects() -> FloorObjects:
+    return FloorObjects(FetchSettings.load())
+
+
+def seen(x: float, y: float, colour: str = "red", width: float = 0.06) -> ObjectSighting:
+    return ObjectSighting(colour, x, y, width, 0.12)
+
+
+def test_an_object_is_known_after_some_images_and_near_sightings_count_most() -> None:
+    known = objects()
+    known.take(0.0, Pose2D(), [seen(3.0, 0.2)], VIEW)
+    assert list(known.known()) == []
+    for number in range(1, 4):
+        known.take(number / 10.0, Pose2D(2.0, 0.0, 0.0), [seen(1.2, 0.0)], VIEW)
+    (one,) = known.known()
+    assert (round(one.x, 2), round(one.y, 2)) == (3.2, 0.0)
+
+
+def test_parts_of_one_object_in_an_image_make_one_object() -> None:
+    known = objects()
+    for number in range(5):
+        known.take(number / 10.0, Pose2D(), [seen(1.2, 0.0), seen(1.3, 0.0, width=0.03)], VIEW)
+    assert len(known.objects) == 1
+
+
+def test_an_object_that_is_not_there_any_more_is_forgotten_only_where_it_should_be_seen() -> None:
+    known = objects()
+    for number in range(5):
+        known.take(number / 10.0, Pose2D(), [seen(1.5, 0.0)], VIEW)
+    for number in range(20):
+        known.take(1.0 + number / 10.0, Pose2D(0.0, 0.0, 3.0), [], VIEW)
+    assert len(known.objects) == 1
+    for number in range(10):
+        known.take(4.0 + number / 10.0, Pose2D(), [], VIEW)
+    assert known.objects == []
+
+
+def test_objects_of_different_colours_in_one_place_are_two() -> None:
+    known = objects()
+    known.take(0.0, Pose2D(), [seen(1.5, 0.0), seen(1.5, 0.05, "green")], VIEW)
+    assert {each.colour for each in known.objects} == {"red", "green"}
