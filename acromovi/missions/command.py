@@ -5,14 +5,17 @@ import json
 import sys
 import time
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
+from acromovi.missions.fresh import fresh_missions, fresh_page, fresh_seed
 from acromovi.missions.jobs import ROBOTS, SEEDS, Case, Condition, Job
-from acromovi.missions.matrix import Instead, Result, play, play_all
+from acromovi.missions.matrix import Instead, M, Result, play, play_all
 from acromovi.missions.mission_file import FileMission, read_missions
 from acromovi.missions.page import page
 from acromovi.missions.picture import draw_mission
 from acromovi.missions.report import as_json, in_words, summary, summary_in_words
+from acromovi.options import count
 from acromovi.subcommand import Subcommand
 from configs import ConfigError
 from configs.extras import require
@@ -23,6 +26,7 @@ examples:
   acromovi missions --smoke                 a few missions of all kinds
   acromovi missions --all --out bench       all three hundred, with a table
   acromovi missions --file my-floor.jsonl --pictures seen     missions on a floor of your own
+  acromovi missions --fresh --out bench     floors that nobody has seen, of all families, with a table
 
 A line of such a file is one mission, in m and rad:
   {"world": "floor.toml", "robot": "powerbot", "fit": ["laser"], "start": [0, 0, 1.57], "goal": [6.5, 3], "seed": 1}
@@ -52,6 +56,7 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--robot", default="", metavar="MODEL", help=f"set the model [by the seed, of {', '.join(ROBOTS)}]"
     )
+    parser.add_argument("--no-laser", action="store_true", help="let the robot navigate by sonar alone")
     parser.add_argument("--world", default="", help="set the world [by the seed, the house or a generated plan]")
     parser.add_argument("--picture", type=Path, metavar="FILE", help="draw the mission, as PNG or SVG by the ending")
     parser.add_argument(
@@ -65,9 +70,20 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
     how.add_argument("--quiet", action="store_true", help="with --file: print the summary only")
     parser.add_argument("--smoke", action="store_true", help="run a few missions of all kinds")
     parser.add_argument("--all", action="store_true", help="run the whole matrix")
+    parser.add_argument(
+        "--fresh",
+        nargs="?",
+        type=int,
+        const=-1,
+        metavar="SEED",
+        help="run missions on generated floors of all families, by this seed [a new one each time]",
+    )
+    parser.add_argument(
+        "--floors", type=count, default=1, help="with --fresh: set the floors for each family and robot [1]"
+    )
     parser.add_argument("--seeds", type=int, default=SEEDS, help=f"with --all: set the number of seeds [{SEEDS}]")
     parser.add_argument(
-        "--out", type=Path, default=Path("bench"), help="with --all: set the folder for the table [bench]"
+        "--out", type=Path, default=Path("bench"), help="with --all and --fresh: set the folder for the table [bench]"
     )
 
 
@@ -81,6 +97,8 @@ def _run(options: argparse.Namespace) -> int:
         return _refuse("--line, --pictures, --json and --quiet are for missions of a --file")
     if options.robot and options.robot not in ROBOTS:
         return _refuse(f"--robot must be one of {', '.join(ROBOTS)}")
+    if options.fresh is not None:
+        return _run_fresh(options)
     if options.picture or options.all:
         require("a picture of missions", "plots")
     if options.smoke or options.all:
@@ -92,11 +110,29 @@ def _run(options: argparse.Namespace) -> int:
             print(f"see {options.out}/missions.md")
         return 0 if all(result.is_good for result in results) else 1
     job = Job.of(options.case, options.condition, options.seed, options.robot, options.world)
+    job = replace(job, has_laser=not options.no_laser)
     result = play(job)
     _tell(result)
     if options.picture is not None:
         draw_mission(options.picture, result)
     return 0 if result.is_good else 1
+
+
+def _run_fresh(options: argparse.Namespace) -> int:
+    """Play missions on floors that nobody has seen, and write the table and a picture of every failure."""
+    require("pictures of missions", "plots")
+    seed = fresh_seed() if options.fresh < 0 else options.fresh
+    print(f"the same missions again: acromovi missions --fresh {seed} --floors {options.floors}", flush=True)
+    results = play_many(fresh_missions(seed, options.floors), processes=options.workers)
+    options.out.mkdir(parents=True, exist_ok=True)
+    pictures = []
+    for number, result in enumerate(results):
+        if not result.is_good and result.task is not None:
+            pictures.append(f"fresh-{number:03}.png")
+            draw_mission(options.out / pictures[-1], result)
+    (options.out / "fresh.md").write_text(fresh_page(results, seed, pictures), encoding="utf-8")
+    print(f"see {options.out}/fresh.md")
+    return 0 if all(result.is_good for result in results) else 1
 
 
 def _run_file(options: argparse.Namespace) -> int:
@@ -143,11 +179,11 @@ def _refuse(why: str) -> int:
     return 2
 
 
-def play_many(jobs: Sequence[Job], instead: Instead | None = None, processes: int | None = None) -> list[Result[Job]]:
+def play_many(jobs: Sequence[M], instead: Instead | None = None, processes: int | None = None) -> list[Result[M]]:
     """Run missions on all cores, and print the progress."""
     began, good = time.monotonic(), []
 
-    def told(result: Result[Job]) -> None:
+    def told(result: Result[M]) -> None:
         good.append(result.is_good)
         mark = "ok  " if result.is_good else "FAIL"
         so_far = f"{len(good)}/{len(jobs)} {time.monotonic() - began:.0f} s, {good.count(False)} failed"

@@ -67,13 +67,17 @@ class Condition(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Job:
-    """One cell of the matrix: what has to be known to play a mission again."""
+    """One cell of the matrix: what has to be known to play a mission again.
+
+    has_laser: whether the robot has a laser beside its sonar.
+    """
 
     case: Case
     condition: Condition
     seed: int
     robot: str
     world: str
+    has_laser: bool = True
 
     @classmethod
     def of(cls, case: Case, condition: Condition, seed: int, robot: str = "", world: str = "") -> "Job":
@@ -98,19 +102,28 @@ class Job:
         said = f"acromovi missions --case {self.case} --condition {self.condition} --seed {self.seed}"
         usual = Job.of(self.case, self.condition, self.seed)
         said += f" --robot {self.robot}" if self.robot != usual.robot else ""
-        return said + (f" --world {self.world}" if self.world != usual.world else "")
+        said += f" --world {self.world}" if self.world != usual.world else ""
+        return said if self.has_laser else f"{said} --no-laser"
 
     @property
     def name(self) -> str:
         """For lists."""
-        return f"{self.case} {self.condition} {self.seed} {self.robot} {self.world}"
+        return f"{self.case} {self.condition} {self.seed} {self.robot} {self.world}" + self._without
+
+    @property
+    def carrier(self) -> str:
+        """The robot, and what it lacks."""
+        return self.robot + self._without
+
+    @property
+    def _without(self) -> str:
+        return "" if self.has_laser else ", sonar only"
 
     def task(self) -> Task:
         """Choose start and goal, put obstacles and people into the world: the same for the same job.
 
         Raises:
-            ValueError: The world has no room for such a mission.
-            WorldError, ConfigError: There is no such world or robot.
+            WorldError, ConfigError: There is no such world or robot, or the world has no room for such a mission.
         """
         chooser, start, goal, way = _ends(self.case, self.world, self.robot, self.seed)
         world = replace(chooser.world, starts=(start,))
@@ -119,7 +132,13 @@ class Job:
             way = chooser.way(world, (start.x, start.y), goal) or way
         if self.condition.has_people:
             world = chooser.with_people(world, way, self.seed)
-        return Task(world, self.robot, ROBOTS[self.robot], goal, way, self.seed, self.condition.is_perfect)
+        fit = ROBOTS[self.robot] if self.has_laser else ""
+        return Task(world, self.robot, fit, goal, way, self.seed, self.condition.is_perfect)
+
+
+def half_width(robot: str) -> float:
+    """Return half the width of a model, m."""
+    return configs.load(RobotModel, "robots", robot).width / 2
 
 
 @lru_cache(maxsize=16)  # all conditions of a few seeds, which are played one after the other
@@ -161,7 +180,7 @@ class _Chooser:
                 if way is None or way.length < least or (case is Case.ROOMS and not self._passes_corridor(way)):
                     continue
                 return Pose2D(*start, round(chance.uniform(-math.pi, math.pi), 3)), goal, way
-        raise ValueError(f"world {self.world.name!r} has no room for a mission of case {case}; choose another world")
+        raise WorldError(f"world {self.world.name!r} has no room for a mission of case {case}; choose another world")
 
     def _way_to(self, goal: Point, start: Point) -> Path | None:
         """The shortest way, if the robot has room to turn at both ends."""

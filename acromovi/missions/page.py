@@ -91,7 +91,7 @@ def _asked(results: Results, others: Results) -> str:
     for name in list(MEASURES)[3:]:
         said = f"less than {theirs.median(name):.3f} (free-space-block)" if others else "-"
         rows.append((f"{name}, median", f"{ours.median(name):.3f}", said))
-    return _table(("what", "seen", "asked for"), rows)
+    return table(("what", "seen", "asked for"), rows)
 
 
 def _cells(results: Results) -> str:
@@ -104,7 +104,7 @@ def _cells(results: Results) -> str:
                 reached = f"{here.share_reached:.0%} of {len(here)}"
                 rows.append((str(case), str(condition), reached, str(len(here.with_touches)), *figures))
     head = ("case", "condition", "reached", "touched", *MEASURES)
-    return "## By case and condition\n\n" + _table(head, rows)
+    return "## By case and condition\n\n" + table(head, rows)
 
 
 def _failures(results: Sequence[Result[Job]]) -> str:
@@ -115,7 +115,7 @@ def _failures(results: Sequence[Result[Job]]) -> str:
         (result.job.robot, result.job.world, _why(result).replace("|", "/"), f"`{result.job.command}`")
         for result in failed
     ]
-    return "## Failures\n\n" + _table(("robot", "world", "what", "again"), rows)
+    return "## Failures\n\n" + table(("robot", "world", "what", "again"), rows)
 
 
 def _why(result: Result[Job]) -> str:
@@ -126,6 +126,7 @@ def _why(result: Result[Job]) -> str:
     return "; ".join(filter(None, (result.verdict.why_not, touched)))
 
 
-def _table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """Return a table in Markdown."""
     lines = [head, ["---"] * len(head), *rows]
     return "\n".join(f"| {' | '.join(line)} |" for line in lines)
