@@ -8,7 +8,6 @@ from p2os import RobotModel
 from p2os_emu.faults.board import FAULTS
 from p2os_emu.fit import PARTS, REMOVABLE
 from p2os_emu.links.line import LinkProfile
-from p2os_emu.world.floors import FAMILIES
 
 Row = tuple[str, str]
 
@@ -50,6 +49,8 @@ def _teams() -> Iterator[Row]:
 
 
 def _worlds() -> Iterator[Row]:
+    from p2os_emu.world.floors.families import FAMILIES  # worlds need an extra, and the other lists do not
+
     for name in configs.names("worlds"):
         path = configs.find("worlds", name)
         about = configs.read(path).get("about", "") if path.suffix == ".toml" else "ARIA map"

@@ -17,6 +17,7 @@ OPTICAL_FLOW = "tests/apps/optical_flow/test_on_a_team.py"
 CALIBRATION = "tests/acromovi/test_camera.py, on drawn chessboards"
 FETCH = "tests/apps/fetch/test_on_a_team.py"
 ELSEWHERE = {
+    "p2os-emu --robot powerbot --world hall:7": "tests/p2os_emu/world/floors",
     "acromovi try gripper": "tests/acromovi/test_scenes.py",
     "acromovi up acromovi": "tests/acromovi/team/test_team_of_seven.py",
     "acromovi up acromovi --apps .": "the fixture of tests/test_pages_on_a_team.py",

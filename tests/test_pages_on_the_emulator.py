@@ -187,6 +187,7 @@ def test_every_command_and_file_of_the_pages_is_run_or_read_somewhere() -> None:
         "emulator",
         "gateway",
         "teams",
+        "worlds",
     } | TOML_OF_AGENTS | OF_APPLICATIONS
     assert len(OPTIONS) > 12
     for name in PAGES:

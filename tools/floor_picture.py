@@ -10,7 +10,7 @@ from pathlib import Path
 from acromovi.svg import STYLE, document, written
 from geometry import Point
 from p2os_emu.world import Block, WorldSpec, load_world
-from p2os_emu.world.floors import FAMILIES
+from p2os_emu.world.floors.families import FAMILIES
 
 FILE = Path(__file__).resolve().parents[1] / "docs" / "pictures" / "floors.svg"
 SEED = 7

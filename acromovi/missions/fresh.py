@@ -13,7 +13,7 @@ from acromovi.missions.matrix import Result
 from acromovi.missions.page import table
 from acromovi.missions.report import why
 from acromovi.missions.task import Task, clearance
-from p2os_emu.world.floors import FAMILIES
+from p2os_emu.world.floors.families import FAMILIES
 
 TUNED = ("plan", "hall", "corridors", "flat")
 OTHERS = tuple(family for family in FAMILIES if family not in TUNED)

@@ -101,8 +101,13 @@ class ArmAgent(MovingElementAgent):
         if kinematics is None:
             raise Refused("the lengths of the arm are not known; send its joints by move")
         present = self._angles(await self.read())
-        try:  # in a thread: it may take some tenths of a second
-            angles = await asyncio.to_thread(kinematics.reach, (x, y, z), present)
+        search = kinematics.reaching((x, y, z), present)
+        try:
+            while True:
+                next(search)
+                await asyncio.sleep(0.0)  # the other agents of the container go on meanwhile
+        except StopIteration as end:
+            angles = end.value
         except ReachError as err:
             raise Refused(str(err)) from err
         joints = {str(number): float(angle) for number, angle in enumerate(angles, 1)}

@@ -11,7 +11,7 @@ way to which, the arm meets neither the floor nor the robot's body.
 methods, 2004.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Generator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from math import isfinite
@@ -101,7 +101,25 @@ class ArmKinematics:
         return last
 
     def reach(self, point: Sequence[float] | Floats, present: Sequence[float] | Floats) -> Floats:
-        """Return the angles with the tip at a point, rad, shape (n,).
+        """Return what `reaching` returns in the end.
+
+        Raises:
+            ReachError: As there.
+        """
+        search = self.reaching(point, present)
+        while True:
+            try:
+                next(search)
+            except StopIteration as end:
+                angles: Floats = end.value
+                return angles
+
+    def reaching(
+        self, point: Sequence[float] | Floats, present: Sequence[float] | Floats
+    ) -> Generator[None, None, Floats]:
+        """Return the angles with the tip at a point, rad, shape (n,); yield after each posture that was begun from.
+
+        One posture takes some 20 ms, and a point out of reach takes all of them; others may go on meanwhile.
 
         Args:
             point: x, y, z in m.
@@ -124,6 +142,7 @@ class ArmKinematics:
         for posture in self._postures(begin):
             angles, off = self._solved(goal, posture)
             found.append((angles, off))
+            yield
             if off <= _TOLERANCE and not self._meets(angles):
                 if not self._meets_on_the_way(begin, angles):
                     return angles

@@ -9,6 +9,6 @@ the camera sees (`sight`, `objects`), ways over the floor (`floor`) and what to 
 all settings. docs/fetch.md describes them.
 """
 
-from apps.fetch.application import SERVICES as SERVICES  # what the program is asked for when it is run or promoted
-from apps.fetch.application import main as main
-from apps.fetch.application import status as status
+from apps.fetch.application import SERVICES, main, status
+
+__all__ = ["SERVICES", "main", "status"]

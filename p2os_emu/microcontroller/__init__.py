@@ -3,6 +3,5 @@
 from p2os_emu.microcontroller.commands import EMULATED, EMULATED_PACKETS
 from p2os_emu.microcontroller.flash import Flash
 from p2os_emu.microcontroller.microcontroller import Microcontroller
-from p2os_emu.microcontroller.panel import Panel
 
-__all__ = ["EMULATED", "EMULATED_PACKETS", "Flash", "Microcontroller", "Panel"]
+__all__ = ["EMULATED", "EMULATED_PACKETS", "Flash", "Microcontroller"]

@@ -6,22 +6,18 @@
 from p2os_emu.surroundings import Touch, Touches, Truth
 from p2os_emu.world.engine import STEP
 from p2os_emu.world.errors import WorldError
-from p2os_emu.world.leaves import DoorState
 from p2os_emu.world.load import load_world
 from p2os_emu.world.moving_doors import MovingDoor
 from p2os_emu.world.people import Person
 from p2os_emu.world.robot_body import RobotBody
 from p2os_emu.world.spec import Block, WorldSpec
-from p2os_emu.world.walkers import PersonPlace
 from p2os_emu.world.world import World
 
 __all__ = [
     "STEP",
     "Block",
-    "DoorState",
     "MovingDoor",
     "Person",
-    "PersonPlace",
     "RobotBody",
     "Touch",
     "Touches",

@@ -6,7 +6,7 @@ import configs
 from geometry import MapError, read_map
 from p2os_emu.world.aria_map import MOST_WALLS, world_of
 from p2os_emu.world.errors import WorldError
-from p2os_emu.world.floors import FAMILIES, floor
+from p2os_emu.world.floors.families import FAMILIES, floor
 from p2os_emu.world.spec import WorldSpec
 from p2os_emu.world.world_file import WorldFile
 
@@ -16,7 +16,7 @@ def load_world(name: str | Path) -> WorldSpec:
 
     Args:
         name: Of a world in `configs/worlds` ("office"), the path of a `.toml` or `.map` file, or of a floor made up by
-            a seed: "plan:7", "hall:7" and the other families of `p2os_emu.world.floors`.
+            a seed: "plan:7", "hall:7" and the other families in `p2os_emu.world.floors.families`.
     Raises:
         WorldError: there is no such world, or its file has an error; says which file, where and why.
     """

@@ -11,7 +11,7 @@ from acromovi.missions.matrix import Result
 from acromovi.missions.task import Task
 from geometry import Pose2D
 from p2os_emu.world import WorldSpec
-from p2os_emu.world.floors import FAMILIES
+from p2os_emu.world.floors.families import FAMILIES
 
 GOOD = MissionVerdict(True, "", (), 0.1, 0.0, 10.0, 4.0, 1.0, 1.2, 1.2, 0.1, 0.1, 1.0, 1.0)
 LATE = replace(GOOD, reached=False, why_not="it ended as late")

@@ -12,8 +12,8 @@ from p2os import RobotModel
 from p2os_emu.lists import listing
 from p2os_emu.world import World, WorldError, WorldSpec, load_world
 from p2os_emu.world.conditions import with_obstacles, with_people
-from p2os_emu.world.floors import FAMILIES
 from p2os_emu.world.floors.building import HALF_WIDTH, PASSAGE, PASSING, TIGHT, TURNING_ROOM
+from p2os_emu.world.floors.families import FAMILIES
 from p2os_emu.world.free_space import FreeSpace
 from p2os_emu.world.shortest_path import are_connected, shortest_path
 from tools.floor_picture import FILE, SEED, draw
