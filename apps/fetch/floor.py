@@ -1,6 +1,6 @@
 """Ways over the floor: what sonar has heard, the cheapest way to a place, and the next velocity on it.
 
-The grid, its costs and the search are those of the indoor navigation; the admissible velocity is that of formations.
+The grid, its costs, the search and the outline of a robot are those of the indoor navigation.
 """
 
 from collections.abc import Iterable, Sequence
@@ -10,14 +10,13 @@ from math import atan2, cos, dist, hypot, pi, sin, sqrt
 import numpy as np
 
 from apps.fetch.settings import FetchSettings
-from apps.formation.avoidance import admissible_twist
-from apps.formation.settings import Safety
+from apps.indoor_navigation.algorithms.outline import Outline
 from apps.indoor_navigation.algorithms.planning.area import Area
 from apps.indoor_navigation.algorithms.planning.grid import Grid, GridParameters
 from apps.indoor_navigation.algorithms.planning.search import NO_WAY, costs_to, find_way
 from apps.indoor_navigation.algorithms.planning.terrain import BARRED, CostParameters, Terrain, terrain
 from apps.indoor_navigation.algorithms.rays import Rays
-from apps.indoor_navigation.data import ObstRead, SonarRead
+from apps.indoor_navigation.data import Floats, ObstRead, SonarRead
 from geometry import Point, Pose2D, Twist2D
 
 _MARGIN = 3.0  # m of floor about robot and goal, which the way may use
@@ -33,6 +32,12 @@ _TURN_UNTIL = 0.2
 _SIDES = 16  # from which a place is approached
 _FREE = 2.5  # cost of a metre of floor that is not near obstacles
 _FAR = 2.5  # times the step to the next place to look from, the most that the way there may cost
+# Velocities that are tried in place of the one along the way: its share, and rad/s added; the nearest first.
+_CHOICES = sorted(
+    ((share, turn) for share in (1.0, 0.6, 0.3) for turn in (0.0, 0.15, -0.15, 0.3, -0.3, 0.5, -0.5)),
+    key=lambda choice: 1.0 - choice[0] + abs(choice[1]),
+)
+_MOMENTS = 9  # of the motion that is foreseen
 _KEPT = 0.8  # of the cost of the end that the way has so far
 _SEEN = 8  # evidence for an obstacle that is seen
 
@@ -50,13 +55,12 @@ class FetchFloor:
     """The floor about one robot."""
 
     def __init__(self, settings: FetchSettings) -> None:
-        floor, drive = settings.floor, settings.drive
+        floor = settings.floor
         self._settings = settings
         self._grid = Grid(GridParameters(floor.resolution_m, floor.echo_m, floor.echo_m, _LARGEST, 3.0, 1.5))
         self._costs = CostParameters(0.0, floor.comfort_m, 4.0, 20.0, 1.3, 2.0, 15.0, 10.0, 10.0)
-        self._safety = Safety(
-            settings.robot.radius_m, {}, 0.0, 0.0, floor.gap_m, floor.horizon_s, drive.braking_m_s2, 1.0
-        )
+        # Ways are planned for the width of the hull, so the hull and not a circle about it is kept free on them.
+        self._hull = Outline(settings.robot.radius_m, settings.robot.radius_m, 2.0 * settings.robot.half_width_m)
         self._echoes: dict[Pose2D, tuple[float, Point]] = {}  # the last of each disc: when, and where in odom
         self._is_turning = False
 
@@ -211,11 +215,15 @@ class FetchFloor:
             discs: Obstacles besides those that sonar has heard.
         """
         wanted = self._wanted(robot, way)
-        obstacles = self._obstacles(now, robot, discs)
-        drive = self._settings.drive
-        most = Twist2D(drive.speed_m_s, drive.turn_rad_s)
-        radius = self._settings.robot.radius_m
-        return admissible_twist(wanted, wanted, obstacles, (), radius, self._safety, most)
+        places = np.array(self._obstacles(now, robot, discs), np.float64).reshape(-1, 2)
+        x, y = self._hull.outside((places[:, 0], places[:, 1]))
+        apart = self._hull.distance(x, y)
+        for share, turn in _CHOICES if wanted.linear else _CHOICES[:1]:
+            twist = Twist2D(share * wanted.linear, wanted.angular + turn)
+            poses = _poses(twist, self._settings.floor.horizon_s)
+            if not self._hull.runs_into(poses, x, y, self._settings.floor.gap_m, apart).any():
+                return twist
+        return Twist2D()
 
     def is_free_behind(self, now: float, robot: Pose2D, room: float) -> bool:
         """Return whether the robot may back off by a distance, m."""
@@ -256,6 +264,14 @@ class FetchFloor:
             ]
         local = (robot.locate(*place) for place in places)
         return [(x, y) for x, y in local if hypot(x, y) < _NEAR]
+
+
+def _poses(twist: Twist2D, horizon: float) -> tuple[Floats, Floats, Floats]:
+    """Return the poses of a robot that keeps a velocity for so many s, in its present frame: x, y and heading."""
+    times = np.linspace(0.0, horizon, _MOMENTS)[1:]
+    turned = twist.angular * times
+    chord = twist.linear * times * np.sinc(turned / (2.0 * pi))
+    return chord * np.cos(turned / 2.0), chord * np.sin(turned / 2.0), turned
 
 
 def _with_discs(area: Area, discs: Iterable[Disc]) -> "np.ndarray":
