@@ -128,6 +128,19 @@ class Publisher(Subscription):
         """
 
     @abstractmethod
+    def watch_listeners(self, on_change: Callable[[bool], None]) -> None:
+        """Call a function when the first program subscribes to its key, and when the last one is gone.
+
+        A publisher that has nothing to do until then needs no timer. The calls end when this or the bus is closed.
+
+        Args:
+            on_change: Called with the new value of `has_listeners`, at the beginning where it is true; on a thread of
+                the bus, so it must be quick.
+        Raises:
+            BusUnavailable: The bus is closed.
+        """
+
+    @abstractmethod
     def put(self, message: object, attachment: bytes = b"") -> None:
         """Publish one message; dropped under congestion.
 

@@ -139,6 +139,13 @@ class MemoryBus(Bus):
         """Return whether a program subscribes to this key."""
         return not self._is_closed and self.network.has_subscribers(key)
 
+    def watch_listeners(self, key: str, on_change: Callable[[bool], None]) -> Subscription:
+        """Watch whether a program subscribes to this key."""
+        with self.network.lock:
+            watching = self._enter(self.network.subscriber_watchers, key, guarded(key, on_change))
+            self.network.tell_subscribed(watching.listener)
+        return watching
+
     def close(self) -> None:
         """Withdraw everything this participant declared."""
         self._is_closed = True
@@ -185,10 +192,14 @@ class _MemoryPublisher(Publisher):
         self._key = key
         self._encoder = encoder
         self._is_open = True
+        self._watching: list[Closeable] = []
 
     @property
     def has_listeners(self) -> bool:
         return self._is_open and self._bus.has_listeners(self._key)
+
+    def watch_listeners(self, on_change: Callable[[bool], None]) -> None:
+        self._watching.append(self._bus.watch_listeners(self._key, on_change))
 
     def put(self, message: object, attachment: bytes = b"") -> None:
         self._bus.deliver(Sample(self._key, self._encoder.encode(message), self._encoder.encoding, attachment))
@@ -196,3 +207,5 @@ class _MemoryPublisher(Publisher):
     def close(self) -> None:
         """Close it; it has no subscribers any more."""
         self._is_open = False
+        while self._watching:
+            self._watching.pop().close()

@@ -48,9 +48,11 @@ class MemoryNetwork:
         self.queryables: list[MemoryListener] = []
         self.tokens: list[MemoryListener] = []
         self.watchers: list[MemoryListener] = []
+        self.subscriber_watchers: list[MemoryListener] = []  # of a key each
         self.now = 0.0  # s since the network was made; moved by `let_pass` alone
         self.queries: list[_PendingQuery] = []
         self._routes: dict[str, list[MemoryListener]] = {}
+        self._subscribed: dict[MemoryListener, bool] = {}  # what each watcher of subscribers was told last
         self._due: deque[Callable[[], None]] = deque()
         self._is_delivering = False
 
@@ -59,6 +61,8 @@ class MemoryNetwork:
         with self.lock:
             listeners.append(listener)
             self._routes.clear()
+            if listeners is self.subscribers:
+                self._tell_watchers(listener)
 
     def remove(self, listeners: list[MemoryListener], listener: MemoryListener) -> None:
         """Remove a listener, if it is there."""
@@ -67,8 +71,11 @@ class MemoryNetwork:
                 listener.is_open = False
                 listeners.remove(listener)
                 self._routes.clear()
+                self._subscribed.pop(listener, None)
                 if listeners is self.tokens:
                     self.announce(listener.key, False)
+                elif listeners is self.subscribers:
+                    self._tell_watchers(listener)
 
     def let_pass(self, seconds: float) -> None:
         """Let time pass, and end the queries whose deadline has come, the earliest first."""
@@ -110,6 +117,18 @@ class MemoryNetwork:
         """Notify one watcher of one token."""
         with self.lock:
             self._do(lambda: watcher.hear(str(token), is_alive))
+
+    def tell_subscribed(self, watcher: MemoryListener) -> None:
+        """Notify a watcher of subscribers if that has changed; at first there are none."""
+        with self.lock:
+            is_subscribed = self.has_subscribers(str(watcher.key))
+            if is_subscribed != self._subscribed.get(watcher, False):
+                self._subscribed[watcher] = is_subscribed
+                self._do(lambda: watcher.hear(is_subscribed))
+
+    def _tell_watchers(self, subscriber: MemoryListener) -> None:
+        for watcher in [watcher for watcher in self.subscriber_watchers if subscriber.matches(watcher.key)]:
+            self.tell_subscribed(watcher)
 
     def _do(self, work: Callable[[], None]) -> None:
         """Work in the order of arrival: what a handler causes waits until the present work is done."""

@@ -414,6 +414,8 @@ class _ZenohPublisher(Declared, Publisher):
         super().__init__(declared, handle)
         self._publisher = handle
         self._encoder = encoder
+        self._session_declared = declared
+        self._watching: list[Declared] = []
 
     @property
     def has_listeners(self) -> bool:
@@ -424,6 +426,25 @@ class _ZenohPublisher(Declared, Publisher):
             return bool(status.matching)  # type: ignore[attr-defined]  # Zenoh's stub says that the status is a bool
         except zenoh.ZError:  # the bus has been closed
             return False
+
+    def watch_listeners(self, on_change: Callable[[bool], None]) -> None:
+        call = guarded(str(self._publisher.key_expr), on_change)
+
+        def hear(status: zenoh.MatchingStatus) -> None:
+            threads.keep()
+            call(status.matching)
+
+        try:
+            listener = self._publisher.declare_matching_listener(zenoh.handlers.Callback(hear, indirect=False))
+        except zenoh.ZError as err:
+            raise BusUnavailable(f"listeners cannot be watched: {reason(err)}") from err
+        self._watching.append(Declared(self._session_declared, listener))
+
+    def close(self) -> None:
+        """Withdraw it, and end the calls about its listeners."""
+        while self._watching:
+            self._watching.pop().close()
+        super().close()
 
     def put(self, message: object, attachment: bytes = b"") -> None:
         payload = self._encoder.encode(message)

@@ -106,6 +106,39 @@ def test_a_publisher_knows_whether_somebody_listens(
     listening_elsewhere.close()
 
 
+def test_a_publisher_is_told_of_its_first_listener_and_when_the_last_one_has_gone(
+    meeting: Any, here: Bus, there: Bus, robot: str, until: Until
+) -> None:
+    publisher = here.publisher(f"{robot}/said", JSON)
+    told: list[bool] = []
+    publisher.watch_listeners(told.append)
+    meeting.settle()
+    first = there.subscribe("*/said", lambda sample: None)
+    second = there.subscribe(f"{robot}/*", lambda sample: None)
+    until(lambda: told == [True], "the publisher is told of the listener")
+    third = here.subscribe(f"{robot}/said", lambda sample: None)
+    first.close()
+    second.close()
+    meeting.settle()
+    assert told == [True]
+    third.close()
+    until(lambda: told == [True, False], "the publisher is told that the last listener has gone")
+    publisher.close()
+    there.subscribe(f"{robot}/*", lambda sample: None)
+    meeting.settle()
+    assert told == [True, False]
+
+
+def test_a_publisher_is_told_of_a_listener_that_is_there_already(
+    meeting: Any, here: Bus, there: Bus, robot: str, until: Until
+) -> None:
+    there.subscribe(f"{robot}/said", lambda sample: None)
+    meeting.settle()
+    told: list[bool] = []
+    here.publisher(f"{robot}/said", JSON).watch_listeners(told.append)
+    until(lambda: told == [True], "the publisher is told of the listener")
+
+
 def test_a_closed_publisher_has_no_listeners(here: Bus, robot: str) -> None:
     here.subscribe(f"{robot}/said", lambda sample: None)
     one, other = here.publisher(f"{robot}/said", JSON), here.publisher(f"{robot}/said", JSON)
