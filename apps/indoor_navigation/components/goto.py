@@ -7,10 +7,11 @@ from typing import Protocol
 from apps.indoor_navigation.algorithms.attraction import Attraction, AttractionParameters, Speeds
 from apps.indoor_navigation.algorithms.outline import Outline
 from apps.indoor_navigation.algorithms.perception import Perceived
-from apps.indoor_navigation.algorithms.surroundings import Surroundings
+from apps.indoor_navigation.algorithms.surroundings import MEMORY_TIME, Surroundings
 from apps.indoor_navigation.component import Role, hears, is_told
 from apps.indoor_navigation.components.embodied import Embodied
 from apps.indoor_navigation.data import Floats, MotionCmd, ObstRead, RobotOdometry, WorldCoord
+from apps.indoor_navigation.wakefulness import moves
 from geometry import wrap_angle
 
 GO, BACK, REST = "go", "back", "rest"
@@ -32,11 +33,15 @@ class Steering(Protocol):
 
 
 class Goto(Embodied):
-    """Pushes a command towards the last target, with each odometry and each ObstRead."""
+    """Pushes a command towards the last target, with each odometry and each ObstRead.
+
+    It sleeps when orders have ceased, and the robot has stood for some time.
+    """
 
     role = Role.REACTIVE
     gives = (MotionCmd,)
     parameters_type = _GotoParameters
+    is_pulled = False
 
     async def setup(self) -> None:
         """Begin without target and readings."""
@@ -45,6 +50,11 @@ class Goto(Embodied):
         self._odometry: RobotOdometry | None = None
         self._seen_at = float("-inf")
         await super().setup()
+
+    def woken(self, slept: float) -> None:
+        """Forget what may have gone since."""
+        if slept > MEMORY_TIME:
+            self._surroundings.forget()
 
     def embody(self, outline: Outline, deceleration: float) -> None:
         """Create the steering for this robot, forward and backward."""
@@ -61,6 +71,7 @@ class Goto(Embodied):
     @is_told(WorldCoord)
     async def go(self, target: WorldCoord) -> None:
         """Set the target; ignore it if a newer order was received."""
+        self.work()
         if self._target is None or target.order >= self._target.order:
             self._target = target
 
@@ -78,6 +89,8 @@ class Goto(Embodied):
             self._surroundings.forget()
             self._seen_at = float("-inf")
         self._odometry = odometry
+        if self._target is not None and self._target.aim != REST and moves(odometry):
+            self.work()  # without path planning it still goes on to its last sub-target
         self._push()
 
     def _push(self) -> None:

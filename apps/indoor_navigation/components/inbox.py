@@ -55,8 +55,8 @@ class Inbox:
         if is_awaited:
             hand_over(self._loop, self._news.set)
 
-    async def wait_until(self, deadline: float) -> None:
-        """Wait for a message, until the deadline in s of the loop's time at most."""
+    async def wait_until(self, deadline: float | None) -> None:
+        """Wait for a message, until the deadline in s of the loop's time at most; None for no deadline."""
         with self._lock:
             self._news.clear()
             self._is_awaited = not self._unread

@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from agents.platform import Cyclic, Restart, on
+from agents.platform import Cyclic, Restart
 from apps.indoor_navigation.algorithms.pose_history import PoseHistory
-from apps.indoor_navigation.component import Component, Role, hears
+from apps.indoor_navigation.component import Component, Role, hears, reads
 from apps.indoor_navigation.data import Floats, LaserRead, Pose, RobotOdometry
 from bus import BusUnavailable, Refused, keys
 from bus.messages import NS_PER_S, LaserScan, stamp_ns
@@ -43,12 +43,16 @@ class LaserServer(Component):
         self._heard_at = float("-inf")
         self.add(Cyclic(self._know_scanner), Restart())
 
+    def woken(self, slept: float) -> None:
+        """Forget the poses: the robot may have been pushed."""
+        self._history = PoseHistory()
+
     @hears(RobotOdometry)
     async def follow(self, odometry: RobotOdometry) -> None:
         """Take the pose of the robot."""
         self._history.add(odometry)
 
-    @on("scan")
+    @reads("scan")
     async def look(self, scan: LaserScan) -> None:
         """Push a scan, with the pose of the robot at its middle beam."""
         self._heard_at = asyncio.get_running_loop().time()
@@ -76,10 +80,13 @@ class LaserServer(Component):
         await asyncio.sleep(RETRY_PERIOD)
 
     async def _missed(self) -> None:
-        """Wait until scans have been missing for too long, and report it."""
-        loop = asyncio.get_running_loop()
-        while (silence := loop.time() - self._heard_at) < self.parameters.no_scan:
+        """Wait until scans have been missing for too long, and report it; return when they are back after a sleep."""
+        loop, began = asyncio.get_running_loop(), self.woke_at
+        while (silence := loop.time() - max(self._heard_at, self.woke_at)) < self.parameters.no_scan:
             await asyncio.sleep(self.parameters.no_scan - silence)
+            await self.awake()
+            if began < self.woke_at < self._heard_at:
+                return  # the laser may have been moved since it was described
         self._is_there.clear()
         why = f"the laser of {self.robot} has published no scan for {silence:.1f} s; check whether it is switched on"
         self.home.report(self.name, why, None)

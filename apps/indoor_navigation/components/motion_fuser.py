@@ -31,11 +31,16 @@ class _FuserParameters:
 
 
 class MotionFuser(Component):
-    """Pushes the fused command at once after a new command, and else at a steady rate."""
+    """Pushes the fused command at once after a new command, and else at a steady rate.
+
+    It sleeps when no source wants to move the robot any more. A `required` source guards the robot and moves it
+    nowhere, so it is heard only while the fuser is awake; any other source wakes the fuser.
+    """
 
     role = Role.REACTIVE
     gives = (MotionCmd,)
     parameters_type = _FuserParameters
+    is_pulled = False
 
     async def setup(self) -> None:
         """Begin to fuse; the first command is to stop."""
@@ -45,14 +50,24 @@ class MotionFuser(Component):
         self._fused_at = self._due = self._now
         self._pushes, self._work = LastSecond(), LastSecond()
         self._invalid: set[str] = set()  # keys whose invalid commands have been reported
+        known = self.parameters.fusion.sources
+        self._wakers = {name for name in self.sources(MotionCmd) if name not in known or not known[name].required}
         self.add(Cyclic(self._fuse_next), Restart())
 
     def hear(self, kind: type[Data], method: Callable[..., Any]) -> None:
         """Collect commands in the inbox until they are fused: a call for each of a thousand a second costs too much."""
         for source in self.sources(kind):
             self._inbox.open(source)
-            key = push_key(self.robot, source, kind)
-            self._open.append(self.bus.subscribe(key, partial(self._inbox.take, source), urgent=True))
+            key, take = push_key(self.robot, source, kind), partial(self._inbox.take, source)
+            if source in self._wakers:
+                self._open.append(self.bus.subscribe(key, take, urgent=True))
+            else:
+                self._inputs.add(key, take)
+
+    @property
+    def has_work(self) -> bool:
+        """Whether the robot may still move, or no source could wake the fuser."""
+        return not self._wakers or bool(self._fused.linear or self._fused.angular)
 
     @hears(MotionCmd)
     def consider(self, sample: Sample, heard_at: float) -> None:
@@ -87,12 +102,17 @@ class MotionFuser(Component):
 
     async def _fuse_next(self) -> None:
         """Wait for a new command or the end of the period, and push the fused command."""
+        if not self.is_awake:
+            await self._inbox.wait_until(None)
         if (pause := self._due - self._now) > 0.0:
             await asyncio.sleep(pause)
         await self._inbox.wait_until(self._fused_at + self.parameters.period)
         self._fused_at = began = self._now
         self._due = max(self._due, began - MAX_BURST * self.parameters.soonest) + self.parameters.soonest
-        for sample, heard_at in self._inbox.read().values():
+        unread = self._inbox.read()
+        if not self._wakers.isdisjoint(unread):
+            self.work()
+        for sample, heard_at in unread.values():
             self.consider(sample, heard_at)
         self._fused = self._fusion.fuse(began, self.home.wall_time())
         self.push(self._fused)

@@ -7,7 +7,7 @@ from apps.indoor_navigation.algorithms.avoidance import AvoidanceParameters, avo
 from apps.indoor_navigation.algorithms.outline import Outline
 from apps.indoor_navigation.algorithms.perception import Perception, PerceptionParameters
 from apps.indoor_navigation.algorithms.rays import in_robot
-from apps.indoor_navigation.algorithms.surroundings import Surroundings
+from apps.indoor_navigation.algorithms.surroundings import MEMORY_TIME, Surroundings
 from apps.indoor_navigation.algorithms.walkers import WalkerMemory
 from apps.indoor_navigation.component import Role, hears
 from apps.indoor_navigation.components.embodied import Embodied
@@ -40,6 +40,11 @@ class ObstacleAvoiding(Embodied):
         self._walkers = WalkerMemory()
         self._turned, self._turned_at = 0.0, -inf
         await super().setup()
+
+    def woken(self, slept: float) -> None:
+        """Forget what may have gone since."""
+        if slept > MEMORY_TIME:
+            self._surroundings.forget()
 
     def embody(self, outline: Outline, deceleration: float) -> None:
         """Limit the deceleration to what this robot reaches."""

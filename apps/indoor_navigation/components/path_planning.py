@@ -50,6 +50,7 @@ class PathPlanning(Component):
         self._order, self._told_at = REST, float("-inf")
         self._mission = self._navigator.status()
         self._is_under_way = False
+        self._sees = False  # whether a reading has been received since this component woke up
         self._complained: set[str] = set()
         self._file = Path(self.parameters.doors_file) if self.parameters.doors_file else None
         if self._file is not None:
@@ -61,6 +62,10 @@ class PathPlanning(Component):
         self.every(self.parameters.period, self._step)
         self.add(Cyclic(self._know_robot), Restart())
 
+    def woken(self, slept: float) -> None:
+        """Wait for a reading: the robot may have been pushed."""
+        self._sees = False
+
     async def take_down(self) -> None:
         """Stop the robot."""
         if self._order.aim != "rest":
@@ -69,6 +74,9 @@ class PathPlanning(Component):
     @is_told(GoalPoint)
     async def take_up(self, goal: GoalPoint) -> None:
         """Begin or cancel a mission."""
+        self.work()
+        if not self._sees:
+            self._tell_order(self._order)  # wakes goto and orienting while the first reading is on its way
         self._navigator.begin(goal, self._now)
         self._is_under_way |= self._navigator.is_active
         self._mission = self._navigator.status()
@@ -76,9 +84,12 @@ class PathPlanning(Component):
 
     @hears(ObstRead)
     async def see(self, reading: ObstRead) -> None:
-        """Take a reading of obstacles."""
+        """Take a reading of obstacles; after a sleep, begin to drive at once."""
+        is_first, self._sees = not self._sees, True
         self._navigator.see(reading, self._now)
         self._mission = self._navigator.status()
+        if is_first and self._navigator.is_active:
+            await self._step()
 
     @hears(DLEData)
     async def see_doors(self, data: DLEData) -> None:
@@ -88,21 +99,25 @@ class PathPlanning(Component):
     @answers_query("state")
     def tell_state(self) -> dict[str, Any]:
         """Return the state of the mission. since: s ago. messages: number of LogMessages that were sent about it.
+        is_current: whether the pose is that of a reading since this component woke up.
 
         This runs on the thread of the bus, so it returns what the event loop stored after it had sent these messages.
         """
         told = self._mission
-        return {**told, "since": self._now - told["since"]}
+        return {**told, "since": self._now - told["since"], "is_current": self._is_current}
 
     @answers_query("picture")
     def draw(self) -> dict[str, Any]:
         """Return the data of a picture; `area.undrawn` unpacks the grid."""
         picture = self._navigator.picture()
-        return {**picture, "since": self._now - picture["since"]}
+        return {**picture, "since": self._now - picture["since"], "is_current": self._is_current}
 
     async def _step(self) -> None:
         """Decide on the order of this step, and send it."""
         if self._navigator.is_active:
+            self.work()
+            if not self._sees and self._now - self.woke_at < self.parameters.mission.silence:
+                return  # it has just woken up
             is_slow = await self._is_fuser_busy()
             order = self._navigator.step(self._now)
             self._give(replace(order, speed=order.speed / 2.0) if is_slow else order)
@@ -168,6 +183,7 @@ class PathPlanning(Component):
 
     async def _know_robot(self) -> None:
         """Query the outline of the robot periodically, because the robot may be replaced."""
+        await self.awake()
         try:
             self._navigator.memory.outline = Outline.of(await self.ask("robot"))
         except BusUnavailable:
@@ -175,6 +191,10 @@ class PathPlanning(Component):
         except (TimeoutError, Refused, LookupError, TypeError, ValueError):
             pass  # until the base answers, the robot has the half width of the parameters
         await asyncio.sleep(QUERY_PERIOD)
+
+    @property
+    def _is_current(self) -> bool:
+        return self.is_awake and self._sees
 
     @property
     def _now(self) -> float:

@@ -6,11 +6,11 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
-from agents.platform import Agent, Cyclic, RequestNotDone, Restart, on
+from agents.platform import Agent, Cyclic, RequestNotDone, Restart
 from agents.services.lease_client import find_arbiter, leased
 from apps.indoor_navigation.algorithms.pose_history import PoseHistory, is_jump
 from apps.indoor_navigation.algorithms.sonar_memory import SonarMemory
-from apps.indoor_navigation.component import Component, Role, answers_query, hears
+from apps.indoor_navigation.component import Component, Role, answers_query, hears, reads
 from apps.indoor_navigation.data import MotionCmd, RobotOdometry, SonarRead
 from bus import BusUnavailable, Refused, keys
 from bus.messages import NS_PER_S, Odometry, RangeArray, heading, stamp_ns, twist
@@ -108,12 +108,17 @@ class RobotBaseServer(Component):
         self.every(CHECK_PERIOD, self._watch)
         self.every(RETRY_PERIOD, self._lease.hold)
 
+    @property
+    def has_work(self) -> bool:
+        """Whether the robot is unknown, or moves."""
+        return self._about is None or self._drives
+
     async def take_down(self) -> None:
         """Stop the robot."""
         if self._drives:
             self._halt()
 
-    @on("odom")
+    @reads("odom")
     async def follow(self, message: Odometry) -> None:
         """Push the odometry of the robot."""
         odometry = self._odometry(message)
@@ -124,24 +129,25 @@ class RobotBaseServer(Component):
         self._history.add(odometry)
         self.push(odometry)
 
-    @on("sonar", keep=8)
+    @reads("sonar", keep=8)
     async def listen_around(self, message: RangeArray) -> None:
         """Push the ranges of all discs after some of them have measured."""
         stamp = stamp_ns(message.header) / NS_PER_S
         robot = self._history.at(stamp)
-        if robot is None:
-            return
+        if robot is None or self._heard_at < self.woke_at:
+            return  # the robot may have been pushed during the sleep
         ranges = {int(each.header.frame_id.rpartition("_")[2]): float(each.range) for each in message.ranges}
         self._sonar.hear(stamp, ranges, self._discs, robot)
         reading = self._sonar.read(stamp, robot)
         if reading is not None:
             self.push(reading)
 
-    @hears(MotionCmd)
+    @hears(MotionCmd, always=True)
     async def drive(self, command: MotionCmd) -> None:
         """Send a command of the fuser to the wheels, unless the robot has been idle for some time."""
         if not command.is_sound or self.home.wall_time() - command.stamp > self.parameters.oldest:
             return  # counts as no command, which stops the robot
+        self.work()
         self._commanded_at = self._now
         if command.linear or command.angular:
             self._moved_at = self._now
@@ -191,9 +197,13 @@ class RobotBaseServer(Component):
         await asyncio.sleep(RETRY_PERIOD)
 
     async def _missed(self) -> None:
-        """Wait until odometry has been missing for too long, and report it."""
-        while (silence := self._now - self._heard_at) < self.parameters.no_odometry:
+        """Wait until odometry has been missing for too long, and report it; return when it is back after a sleep."""
+        began = self.woke_at
+        while (silence := self._now - max(self._heard_at, self.woke_at)) < self.parameters.no_odometry:
             await asyncio.sleep(self.parameters.no_odometry - silence)
+            await self.awake()
+            if began < self.woke_at < self._heard_at:
+                return  # another robot may have the name since then
         self._is_there.clear()
         why = f"{self.robot} has published no odometry for {silence:.1f} s; check whether it and its p2os-gateway run"
         self.home.report(self.name, why, None)

@@ -14,6 +14,7 @@ from apps.indoor_navigation.data import GoalPoint, LogMessage
 from bus import BusUnavailable, Refused
 
 ENDED = ("done", "failed", "cancelled", "replaced")
+SIGHT_TIMEOUT, SIGHT_PERIOD = 0.8, 0.1  # s for path planning to see something when it was asleep, and between queries
 MESSAGE_TIMEOUT = 2.0  # s after the end of a mission for the last messages about it
 
 
@@ -67,6 +68,7 @@ class UserInterface(Component):
         self._missions += 1
         self._goal = GoalPoint(f"m{int(self.home.wall_time())}-{self._missions}", x, y, heading, tolerance)
         self._is_unknown = False
+        self.work()
         self.tell(self._goal)
         return {"mission": self._goal.mission}
 
@@ -136,6 +138,7 @@ class UserInterface(Component):
         """
         if self._goal is None:
             return
+        self.work()
         goal = self._goal
         try:
             told = await self.ask("state")
@@ -162,8 +165,14 @@ class UserInterface(Component):
             self._goal, self._ended[goal.mission] = None, told
 
     async def _asked(self, what: str) -> dict[str, Any]:
+        """Query path planning; where it was asleep, again until it has seen where the robot is now."""
+        deadline = asyncio.get_running_loop().time() + SIGHT_TIMEOUT
         try:
-            return await self.ask(what)
+            while not (told := await self.ask(what)).pop("is_current", True):
+                if asyncio.get_running_loop().time() > deadline:
+                    break
+                await asyncio.sleep(SIGHT_PERIOD)
+            return told
         except TimeoutError as err:
             raise Refused(f"path planning of {self.robot} does not answer; check whether it runs") from err
 

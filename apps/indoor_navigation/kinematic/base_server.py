@@ -50,11 +50,21 @@ class KinematicBaseServer(Component):
         self.every(STEP, self._roll)
         self.every(parameters.period, self._tell)
 
-    @hears(MotionCmd)
+    @property
+    def has_work(self) -> bool:
+        """Whether the robot moves."""
+        return self.kinematic.speed != Twist2D()
+
+    def woken(self, slept: float) -> None:
+        """Continue from now on: the robot has stood."""
+        self._moved_at = self._now
+
+    @hears(MotionCmd, always=True)
     async def drive(self, command: MotionCmd) -> None:
         """Take a command of the fuser."""
         if command.is_sound and self.home.wall_time() - command.stamp <= self.parameters.oldest:
             self._wanted, self._commanded_at = Twist2D(command.linear, command.angular), self._now
+            self.work()
 
     @answers_query("robot")
     def tell_robot(self) -> dict[str, Any]:

@@ -42,6 +42,10 @@ class KinematicLaserServer(Component):
         self._history = PoseHistory()
         self.every(self.parameters.period, self._scan)
 
+    def woken(self, slept: float) -> None:
+        """Forget the poses: the robot may have moved."""
+        self._history = PoseHistory()
+
     @hears(RobotOdometry)
     async def follow(self, odometry: RobotOdometry) -> None:
         """Take the pose of the robot."""
