@@ -97,7 +97,8 @@ class Component(Agent):
     def describe(self) -> dict[str, Any]:
         """Return its description for the directory."""
         gives = [kind.bus_name for kind in self.gives]
-        return {**super().describe(), "services": ["navigation", *self.services], "role": self.role, "gives": gives}
+        about = {"role": self.role, "gives": gives, "awake": self.is_awake}
+        return {**super().describe(), "services": ["navigation", *self.services], **about}
 
     @property
     def has_work(self) -> bool:

@@ -42,7 +42,9 @@ class ObstacleAvoiding(Embodied):
         await super().setup()
 
     def woken(self, slept: float) -> None:
-        """Forget what may have gone since."""
+        """Forget the readings from before the sleep, and what may have gone since."""
+        self._perception.forget()
+        self._walkers.forget()
         if slept > MEMORY_TIME:
             self._surroundings.forget()
 

@@ -39,6 +39,11 @@ class ObstacleDetecting(Embodied):
         self._reported: tuple[str, ...] = ()
         await super().setup()
 
+    def woken(self, slept: float) -> None:
+        """Forget the readings from before the sleep, so that the sensor that is read last is not taken for silent."""
+        self._perception.forget()
+        self._dead_ends = 0
+
     @hears(LaserRead)
     async def look(self, scan: LaserRead) -> None:
         """Take a scan, and report."""
