@@ -33,6 +33,7 @@ GROUPS = {
     "supervision": "what happens when agents' processes die, and what an agent adds to a stream",
     "fuser": "what fusing a thousand commands a second costs, and whether an old one is ever used",
     "navigation_latency": "from a scan or sonar message to the fused command, all components in processes of their own",
+    "navigation_idle": "what the navigation costs after a mission, and how soon the next one wakes it",
     "doors": "doors found in generated laser scans, and the time that one scan takes",
     "missions": "three hundred missions of the indoor navigation in lockstep; writes missions.md and pictures",
     "formation": "formations of three to five robots in lockstep; writes formation.md and pictures",
