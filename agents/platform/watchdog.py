@@ -21,7 +21,7 @@ from bus.aio import hand_over
 from bus.threads import compiled_at
 
 LONGEST_TURN = 0.5  # s that one step of an agent may take
-LOOK_EVERY = 0.25  # s
+LOOK_EVERY = 0.5  # so a turn of twice `LONGEST_TURN` is always found
 GRACE = 0.05  # s for a loop that was frozen together with its watchdog
 _ITERATION = asyncio.BaseEventLoop._run_once.__code__  # type: ignore[attr-defined]  # calls `select`
 _LIBRARIES = (sysconfig.get_paths()["stdlib"], "<frozen")
