@@ -25,9 +25,9 @@ from bus.messages import decode_json
 
 ROBOT = "bench"
 GOAL_M = (1.0, 0.0)
-SETTLE_S, SECONDS = LINGER + 4.0, 30.0  # every component falls asleep after those that it gives data to
+SETTLE_S, SECONDS = 2.0 * LINGER + 4.0, 30.0  # goto sleeps after the last order, and the fuser after goto
 MISSION_S = 60.0  # for a mission of a metre
-PROCESSES, MISSIONS = 10, 5
+PROCESSES, MISSIONS = 10, 3
 IDLE_REACH, WAKE_REACH_MS = 1.0, 1000.0
 MOVED_M = 0.005
 
