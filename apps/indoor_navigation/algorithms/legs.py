@@ -29,26 +29,25 @@ class Slender(NamedTuple):
 
 def slender(view: ScanView) -> Slender:
     """Return each slender object that stands alone, or beside one that does, as a leg half behind the other one."""
-    starts, ends, is_cut_before, is_cut_behind = _objects(view)
+    starts, ends, width, cuts = _objects(view)
     skipped = max(2, round(EDGE / view.step))
-    # An object is one beam wider than the distance between the first and the last beam that hit it.
-    width = view.between(starts, ends) + view.step * view.depths[starts]
-    is_slender = view.hits[starts] & (width < MAX_WIDTH) & (view.depths[starts] < MAX_DEPTH)
-    is_slender &= (starts >= skipped) & (ends < len(view.depths) - skipped)
+    is_slender = (width < MAX_WIDTH) & (starts >= skipped) & (ends < len(view.depths) - skipped)
     starts, ends, width = starts[is_slender], ends[is_slender], width[is_slender]
     if not len(starts):
         nothing = np.empty(0)
         return Slender(nothing, nothing, nothing, np.empty(0, bool))
-    deeper_before = view.depths[starts - 1] - view.depths[starts]
-    deeper_behind = view.depths[ends + 1] - view.depths[ends]
-    before = is_cut_before[is_slender] | ((deeper_before > 0.0) & ~_is_end_of_wall(view, starts, -1))
-    behind = is_cut_behind[is_slender] | ((deeper_behind > 0.0) & ~_is_end_of_wall(view, ends, 1))
-    is_whole = before & behind & (np.maximum(deeper_before, deeper_behind) > MIN_BACKGROUND)
+    outer, next_to = np.concatenate((starts, ends)), np.concatenate((starts - 1, ends + 1))
+    deeper = view.depths[next_to] - view.depths[outer]
+    is_clear = (deeper > 0.0) & ~_are_ends_of_walls(view, outer, next_to)
+    if cuts:
+        is_clear |= np.isin(np.concatenate((starts - 1, ends)), cuts)
+    before, behind = is_clear[: len(starts)], is_clear[len(starts) :]
+    is_whole = before & behind & (np.maximum(deeper[: len(starts)], deeper[len(starts) :]) > MIN_BACKGROUND)
     is_leg = np.zeros(len(view.depths), bool)
-    for start, end in zip(starts[is_whole], ends[is_whole], strict=True):
+    for start, end in zip(starts[is_whole].tolist(), ends[is_whole].tolist(), strict=True):
         is_leg[start : end + 1] = True
-    follows = is_leg[starts - 1] & (view.between(starts - 1, starts) < MAX_STRIDE)
-    precedes = is_leg[ends + 1] & (view.between(ends, ends + 1) < MAX_STRIDE)
+    is_beside_leg = is_leg[next_to] & (view.between(outer, next_to) < MAX_STRIDE)
+    follows, precedes = is_beside_leg[: len(starts)], is_beside_leg[len(starts) :]
     chosen = is_whole | (follows & behind) | (before & precedes) | (follows & precedes)
     starts, ends, width = starts[chosen], ends[chosen], width[chosen]
     x, y = (view.end_x[starts] + view.end_x[ends]) / 2.0, (view.end_y[starts] + view.end_y[ends]) / 2.0
@@ -57,27 +56,28 @@ def slender(view: ScanView) -> Slender:
     return Slender(x + deeper * (x - view.x), y + deeper * (y - view.y), width, is_whole[chosen])
 
 
-def _objects(view: ScanView) -> tuple[Ints, Ints, Bools, Bools]:
-    """Return the first and the last beam of each object, and whether it was cut off there from the one beside it.
+def _objects(view: ScanView) -> tuple[Ints, Ints, Floats, list[int]]:
+    """Return the first and the last beam and the width of each object within `MAX_DEPTH`, and where one was cut.
 
     Two legs side by side are one object with a valley between them, where it is cut.
     """
-    gaps = np.flatnonzero(np.abs(np.diff(view.depths)) > MIN_GAP)
-    starts = np.concatenate(([0], gaps + 1)).astype(np.intp)
-    ends = np.concatenate((gaps, [len(view.depths) - 1])).astype(np.intp)
+    gaps = np.flatnonzero(view.jumps > MIN_GAP)
+    starts = np.concatenate(([0], gaps + 1))
+    ends = np.concatenate((gaps, [len(view.depths) - 1]))
     width = view.between(starts, ends)
-    may_be_two = view.hits[starts] & (width > MIN_PAIR) & (width < MAX_PAIR) & (view.depths[starts] < MAX_DEPTH)
+    is_near = view.hits[starts] & (view.depths[starts] < MAX_DEPTH) & (width < MAX_PAIR)
+    starts, ends, width = starts[is_near], ends[is_near], width[is_near]
+    may_be_two = width > MIN_PAIR
     cuts = [
         cut
         for start, end in zip(starts[may_be_two].tolist(), ends[may_be_two].tolist(), strict=True)
         if (cut := _valley(view.depths, start, end)) is not None
     ]
-    if not cuts:
-        nowhere = np.zeros(len(starts), bool)
-        return starts, ends, nowhere, nowhere
-    starts = np.sort(np.concatenate((starts, np.array(cuts) + 1)))
-    ends = np.sort(np.concatenate((ends, cuts)))
-    return starts, ends, np.isin(starts - 1, cuts), np.isin(ends, cuts)
+    if cuts:
+        starts, ends = np.sort(np.concatenate((starts, np.array(cuts) + 1))), np.sort(np.concatenate((ends, cuts)))
+        width = view.between(starts, ends)
+    # An object is one beam wider than the distance between the first and the last beam that hit it.
+    return starts, ends, width + view.step * view.depths[starts], cuts
 
 
 def _valley(depths: Floats, start: int, end: int) -> int | None:
@@ -90,9 +90,9 @@ def _valley(depths: Floats, start: int, end: int) -> int | None:
     return middle if depths[middle] - nearer > MIN_VALLEY else None
 
 
-def _is_end_of_wall(view: ScanView, places: Ints, side: int) -> Bools:
+def _are_ends_of_walls(view: ScanView, places: Ints, first: Ints) -> Bools:
     """Return which beams end in line with the next two: the hits on a wall seen at a grazing angle have gaps."""
-    first, second = places + side, places + 2 * side
+    second = 2 * first - places
     along_x, along_y = view.end_x[second] - view.end_x[first], view.end_y[second] - view.end_y[first]
     length = np.maximum(np.hypot(along_x, along_y), 1e-6)
     from_x, from_y = view.end_x[places] - view.end_x[first], view.end_y[places] - view.end_y[first]

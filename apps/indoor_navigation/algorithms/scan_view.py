@@ -13,8 +13,8 @@ class ScanView:
     """The beams of one scan.
 
     x, y: of the scanner, in odom, m. depths: m, at most the range of the scanner. end_x, end_y: in odom. hits: which
-    beams hit something. step: angle between two beams, rad. extended: which beams hit an object that is wider than
-    two legs.
+    beams hit something. step: angle between two beams, rad. jumps: differences of depth between neighbours, m.
+    extended: which beams hit an object that is wider than two legs.
     """
 
     def __init__(self, scan: LaserRead) -> None:
@@ -26,6 +26,7 @@ class ScanView:
         directions = self._start + np.arange(len(self.depths)) * self.step
         self.end_x = self.x + self.depths * np.cos(directions)
         self.end_y = self.y + self.depths * np.sin(directions)
+        self.jumps = np.abs(np.diff(self.depths))
         self.extended = self._extended()
 
     def between(self, ones: Ints, others: Ints) -> Floats:
@@ -34,9 +35,9 @@ class ScanView:
         return apart
 
     def _extended(self) -> Bools:
-        gaps = np.flatnonzero(np.abs(np.diff(self.depths)) > MIN_GAP)
+        gaps = np.flatnonzero(self.jumps > MIN_GAP)
         first, last = np.concatenate(([0], gaps + 1)), np.concatenate((gaps, [len(self.depths) - 1]))
-        is_extended = self.between(first.astype(np.intp), last.astype(np.intp)) > EXTENDED
+        is_extended = self.between(first, last) > EXTENDED
         return np.repeat(is_extended, last - first + 1) & self.hits
 
     def look(self, x: Floats, y: Floats, edge: float = 0.0) -> tuple[Floats, Ints, Bools]:

@@ -6,7 +6,8 @@ from math import cos, pi, radians, sin
 import numpy as np
 import pytest
 
-from apps.indoor_navigation.algorithms.bodies import BODY_RADIUS, HIDDEN_TIME, MAX_SPREAD, Bodies, BodyTracker
+from apps.indoor_navigation.algorithms.bodies import HIDDEN_TIME, Bodies, BodyTracker
+from apps.indoor_navigation.algorithms.body_track import BODY_RADIUS, MAX_SPREAD
 from apps.indoor_navigation.algorithms.perception import Perception
 from apps.indoor_navigation.algorithms.walkers import ScanMotion
 from apps.indoor_navigation.data import Floats, LaserRead, ObstRead
