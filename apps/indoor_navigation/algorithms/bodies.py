@@ -119,10 +119,11 @@ class BodyTracker:
         if not len(x):
             return
         track_x, track_y = self._places()
-        is_same = (track_x[:, None] - x) ** 2 + (track_y[:, None] - y) ** 2 < SAME_MOTION * SAME_MOTION
+        apart: Floats = np.hypot(track_x[:, None] - x, track_y[:, None] - y)
+        is_same: Bools = apart < SAME_MOTION
         for number in np.flatnonzero(is_same.any(axis=1)):
             self._tracks[number].move(stamp)
-        is_known = is_same.any(axis=0)
+        is_known: Bools = np.asarray(is_same.any(axis=0))
         breaks = np.flatnonzero(np.hypot(np.diff(x), np.diff(y)) > CLUSTER_GAP) + 1
         for cluster in np.split(np.arange(len(x)), breaks):
             if len(cluster) >= MIN_CLUSTER and not is_known[cluster].any():
