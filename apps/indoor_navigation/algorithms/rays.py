@@ -111,17 +111,15 @@ class Rays:
         return np.asarray(((ahead > 0.0) & (ahead < length + RAY_RADIUS) & (across < RAY_RADIUS)).any(axis=1))
 
     def unexplained_by(self, laser: "Rays") -> "Rays":
-        """Return those of these sonar rays that show what the laser does not.
+        """Return these echoes of sonar without those that the laser explains.
 
         A disc measures the nearest object in a wide cone, for example a door frame beside the axis. Where the laser
-        hits something in the cone that is as near, the laser knows better where that is. Where the laser sees across
-        the whole cone, the axis adds nothing to the free space. What remains is too low or too transparent for the
-        laser, or outside its view.
+        hits something in the cone that is as near, the laser knows better where that is. What remains is too low or
+        too transparent for the laser, or outside its view.
         """
         if not len(laser.end_x) or not len(self.end_x):
             return self
-        is_seen, is_watched = self._beside(laser)
-        return self.where(~np.where(self.hits, is_seen, is_watched))
+        return self.where(~self._beside(laser)[0])
 
     def without_echoes_of(self, laser: "Rays") -> "Rays":
         """Return all these sonar rays; those whose echo the laser explains end before it, and hit nothing.
@@ -167,10 +165,3 @@ def in_robot(pose: Pose, x: Floats, y: Floats) -> tuple[Floats, Floats]:
     c, s = cos(pose[2]), sin(pose[2])
     along, across = x - pose[0], y - pose[1]
     return c * along + s * across, c * across - s * along
-
-
-def nearest(x: Floats, y: Floats, to_x: Floats, to_y: Floats) -> Floats:
-    """Return the distance of each place to the nearest of the others, m; infinite where there is none."""
-    if not len(x):
-        return np.empty(0)
-    return np.asarray(np.hypot(x[:, None] - to_x, y[:, None] - to_y).min(axis=1, initial=np.inf))

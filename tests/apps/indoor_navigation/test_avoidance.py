@@ -210,6 +210,14 @@ def test_a_disc_that_hears_what_the_laser_sees_beside_its_axis_says_nothing_new(
     assert len(Rays.of_sonar(sonar(0.7)).unexplained_by(laser).end_x) == 1  # too low for the laser
 
 
+def test_an_echo_that_the_laser_explains_shows_that_nothing_nearer_returns_the_sound() -> None:
+    ranges = np.full(361, 6.0)
+    ranges[200:230] = 1.5
+    rays = Rays.of_sonar(sonar(1.5, 0.7, inf)).without_echoes_of(Rays.of_laser(scan(ranges), 120))
+    assert rays.end_x == pytest.approx([1.3, 0.7, 3.0])
+    assert rays.hits.tolist() == [False, True, False]
+
+
 def test_a_sensor_that_says_the_same_while_the_robot_moves_is_left_out() -> None:
     perception = Perception(shipped_parameters("obstacle_avoiding").senses)
     ranges = np.linspace(1.0, 3.0, 361)
