@@ -18,7 +18,7 @@ import numpy as np
 
 from apps.indoor_navigation.algorithms.bodies import Bodies
 from apps.indoor_navigation.algorithms.perception import Perceived
-from apps.indoor_navigation.algorithms.planning.area import NEVER, PASSABLE, PASSED, Area
+from apps.indoor_navigation.algorithms.planning.area import NEVER, PASSABLE, PASSED, Area, Singles
 from apps.indoor_navigation.algorithms.rays import Rays
 from apps.indoor_navigation.data import Bools, Floats, Ints, ObstRead, Place
 
@@ -169,38 +169,28 @@ class Grid:
     def _hear(self, sonar: "_BelievedRays", watched: "_BelievedRays", perceived: Perceived) -> None:
         """Update what sonar hears and the laser sees through.
 
+        An echo comes from somewhere in a wide cone. Where another disc hears that a place is free, it is not there.
+
         Args:
             sonar: All sonar rays.
             watched: Those where the laser looks.
             perceived: With bodies, whose echoes are not those of glass.
         """
-        self._no_longer_hear(sonar, perceived.pose[:2])
+        near = self.area.around(perceived.pose[:2], margin=self._parameters.lone_reach + SONAR_MOUNT)
+        rows, columns = near.echo.nonzero()
+        x = np.asarray(near.x + (columns + 0.5) * near.resolution, np.float64)
+        y = np.asarray(near.y + (rows + 0.5) * near.resolution, np.float64)
+        silent = sonar.are_silent(x, y, near.heard_from[rows, columns])
+        near.echo[rows[silent], columns[silent]] += PASSED
         bodies, hits = perceived.bodies, watched.hits
         x, y = watched.end_x[hits], watched.end_y[hits]
+        directions = np.arctan2(-watched.sines[hits], -watched.cosines[hits])
         apart = np.hypot(x[:, None] - bodies.x, y[:, None] - bodies.y) - bodies.radius
-        is_alone = apart.min(axis=1, initial=np.inf) > BESIDE_BODY
-        directions = np.arctan2(-watched.sines[hits], -watched.cosines[hits])[is_alone]
-        for each_x, each_y, direction in zip(x[is_alone], y[is_alone], directions, strict=True):
+        is_there = (apart.min(axis=1, initial=np.inf) > BESIDE_BODY) & ~sonar.are_silent(x, y, directions)
+        for each_x, each_y, direction in zip(x[is_there], y[is_there], directions[is_there], strict=True):
             row, column = self.area.cell(each_x, each_y)
             self.area.echo[row, column] = min(self.area.echo[row, column] + ECHO, MAX_ECHO)
             self.area.heard_from[row, column] = direction
-
-    def _no_longer_hear(self, sonar: "_BelievedRays", place: Place) -> None:
-        """Lower the evidence of echoes in the free part of the cones that look from where they were heard."""
-        near = self.area.around(place, margin=self._parameters.lone_reach + SONAR_MOUNT)
-        rows, columns = near.echo.nonzero()
-        if not len(rows):
-            return
-        x = near.x + (columns + 0.5) * near.resolution - sonar.origin_x[:, None]
-        y = near.y + (rows + 0.5) * near.resolution - sonar.origin_y[:, None]
-        c, s = sonar.cosines[:, None], sonar.sines[:, None]
-        along, across = c * x + s * y, np.abs(c * y - s * x)
-        is_free = (along > 0.0) & (across <= tan(NARROW_CONE) * along)
-        is_free &= np.hypot(x, y) < (sonar.lengths - np.where(sonar.hits, ECHO_DEPTH, 0.0))[:, None]
-        turned = np.arctan2(-s, -c) - near.heard_from[rows, columns]
-        is_free &= np.cos(turned) > cos(SIMILAR)
-        silent = is_free.any(axis=0)
-        near.echo[rows[silent], columns[silent]] += PASSED
 
     def _let_go(self, near: Area, stamp: float) -> None:
         """Remove walking people who are out of view."""
@@ -256,6 +246,23 @@ class _BelievedRays(NamedTuple):
             np.minimum(lengths, reach),
             rays.hits[sound] & (lengths <= reach),
         )
+
+    def are_silent(self, x: Floats, y: Floats, heard_from: Floats | Singles) -> Bools:
+        """Return at which places a disc hears nothing that listens from where they were heard.
+
+        Args:
+            x, y: The places in odom, m.
+            heard_from: Directions to the discs that heard them, rad.
+        """
+        if not len(x) or not len(self.lengths):
+            return np.zeros(len(x), bool)
+        from_x, from_y = x - self.origin_x[:, None], y - self.origin_y[:, None]
+        c, s = self.cosines[:, None], self.sines[:, None]
+        along, across = c * from_x + s * from_y, np.abs(c * from_y - s * from_x)
+        is_free = (along > 0.0) & (across <= tan(NARROW_CONE) * along)
+        is_free &= np.hypot(from_x, from_y) < (self.lengths - np.where(self.hits, ECHO_DEPTH, 0.0))[:, None]
+        is_free &= np.cos(np.arctan2(-s, -c) - heard_from) > cos(SIMILAR)
+        return np.asarray(is_free.any(axis=0))
 
 
 def _seams(x: Floats, y: Floats) -> tuple[Floats, Floats]:

@@ -168,6 +168,21 @@ def test_a_disc_that_listens_from_another_side_shows_nothing_of_a_pane() -> None
     assert occupied(grid, 0.85, 0.05)
 
 
+def test_an_echo_is_not_where_a_disc_beside_it_hears_nothing() -> None:
+    grid = Grid(PARAMETERS)
+    one, other = heard(0.85), heard(None, y=0.1)
+    both = replace(
+        one,
+        origin_x=np.append(one.origin_x, other.origin_x[-1]),
+        origin_y=np.append(one.origin_y, other.origin_y[-1]),
+        end_x=np.append(one.end_x, other.end_x[-1]),
+        end_y=np.append(one.end_y, other.end_y[-1]),
+        hits=np.append(one.hits, other.hits[-1]),
+    )
+    grid.see(both)
+    assert not occupied(grid, 0.85, 0.05)
+
+
 def test_an_echo_of_a_body_is_no_pane() -> None:
     grid = Grid(PARAMETERS)
     grid.see(with_body(heard(0.85), 1.15, 0.05, moved=False))
