@@ -245,12 +245,13 @@ class ObstRead(Data):
 
     nearest: distance of the nearest obstacle from the robot's outline; None where none is near. bearing: of it, in the
     robot's frame. origin_x, origin_y: of each ray, in odom. end_x, end_y: the end of its free part. hits: 1 where an
-    obstacle is at the end, 0 where there is none. is_dead_end: no lane leads on ahead. people_x, people_y: places in
-    odom about the legs of people who walked and stand now, where their bodies are.
+    obstacle is at the end, 0 where there is none. is_dead_end: no lane leads on ahead. body_x, body_y, body_radius:
+    discs in odom that may be people, until they are seen to be something else. body_moved: 1 for those that moved
+    lately.
     """
 
     arrays: ClassVar[frozenset[str]] = frozenset(
-        {"origin_x", "origin_y", "end_x", "end_y", "hits", "people_x", "people_y"}
+        {"origin_x", "origin_y", "end_x", "end_y", "hits", "body_x", "body_y", "body_radius", "body_moved"}
     )
 
     stamp: float
@@ -263,8 +264,10 @@ class ObstRead(Data):
     end_y: Floats
     hits: Floats
     is_dead_end: bool
-    people_x: Floats = field(default_factory=lambda: np.empty(0))
-    people_y: Floats = field(default_factory=lambda: np.empty(0))
+    body_x: Floats = field(default_factory=lambda: np.empty(0))
+    body_y: Floats = field(default_factory=lambda: np.empty(0))
+    body_radius: Floats = field(default_factory=lambda: np.empty(0))
+    body_moved: Floats = field(default_factory=lambda: np.empty(0))
 
 
 @dataclass(frozen=True, slots=True)

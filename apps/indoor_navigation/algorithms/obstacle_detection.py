@@ -48,7 +48,10 @@ def obstacles(parameters: DetectionParameters, outline: Outline, perceived: Perc
         rays.end_y,
         rays.hits.astype(np.float64),
         _is_dead_end(parameters, outline, x, y),
-        *perceived.people,
+        perceived.bodies.x,
+        perceived.bodies.y,
+        perceived.bodies.radius,
+        perceived.bodies.have_moved.astype(np.float64),
     )
 
 

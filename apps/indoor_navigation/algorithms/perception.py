@@ -10,9 +10,10 @@ from math import hypot
 
 import numpy as np
 
+from apps.indoor_navigation.algorithms.bodies import Bodies, BodyTracker
 from apps.indoor_navigation.algorithms.pose_history import is_pose_jump
 from apps.indoor_navigation.algorithms.rays import Rays
-from apps.indoor_navigation.algorithms.walkers import Moved, ScanMotion, StandingPeople
+from apps.indoor_navigation.algorithms.walkers import Moved, ScanMotion
 from apps.indoor_navigation.data import LaserRead, ObstRead, Pose, SonarRead
 from geometry import wrap_angle
 
@@ -39,19 +40,20 @@ class Perceived:
     """What the sensors show at one moment, in odom.
 
     stamp: of the newest reading, s since 1970. pose: of the robot at that time. rays: those of the scanner first.
-    people: places about each person who walked and stands now.
+    bodies: discs that may be people.
     """
 
     stamp: float
     pose: Pose
     rays: Rays
-    people: Moved
+    bodies: Bodies
 
     @classmethod
     def of(cls, reading: ObstRead) -> "Perceived":
         """Return what obstacle detecting perceived."""
         rays = Rays(reading.origin_x, reading.origin_y, reading.end_x, reading.end_y, reading.hits > 0.5)
-        return cls(reading.stamp, reading.pose, rays, (reading.people_x, reading.people_y))
+        bodies = Bodies(reading.body_x, reading.body_y, reading.body_radius, reading.body_moved > 0.5)
+        return cls(reading.stamp, reading.pose, rays, bodies)
 
 
 class Perception:
@@ -68,7 +70,8 @@ class Perception:
         """Forget all readings, because the origin of odom has changed."""
         self._laser, self._sonar = _Sensor(self._parameters, "laser"), _Sensor(self._parameters, "sonar")
         self._newest: LaserRead | SonarRead | None = None
-        self._motion, self._people = ScanMotion(), StandingPeople()
+        self._motion, self._tracker = ScanMotion(), BodyTracker()
+        self._scanned = Rays.none()
         self.moved: Moved = (np.empty(0), np.empty(0))
 
     def take(self, reading: LaserRead | SonarRead) -> None:
@@ -79,7 +82,8 @@ class Perception:
         if isinstance(reading, LaserRead):
             self._laser.take(reading)
             self.moved = self._motion.look(reading)
-            self._people.see(reading.stamp, *self.moved)
+            self._tracker.see(reading, self.moved)
+            self._scanned = Rays.of_laser(reading, self._parameters.rays)
         else:
             self._sonar.take(reading)
         newest = self._newest
@@ -104,17 +108,18 @@ class Perception:
 
     def perceived(self) -> Perceived | None:
         """Return what both sensors show; None where no sensor works."""
-        rays = self._rays()
+        has_laser = self.laser is not None
+        rays = self._rays(self._scanned if has_laser else Rays.none())
         if self._newest is None or not len(rays.end_x):
             return None
-        return Perceived(self.stamp, self._newest.pose, rays, self._people.about(self.stamp, rays))
+        bodies = self._tracker.bodies if has_laser else Bodies.none()
+        return Perceived(self.stamp, self._newest.pose, rays, bodies)
 
-    def _rays(self) -> Rays:
-        scan, sonar = self.laser, self._sonar.last
-        seen = Rays.of_laser(scan, self._parameters.rays) if scan is not None else Rays.none()
+    def _rays(self, seen: Rays) -> Rays:
+        sonar = self._sonar.last
         if not isinstance(sonar, SonarRead) or self._sonar.fault(self.stamp):
             return seen
-        return seen.followed_by(Rays.of_sonar(sonar).unexplained_by(seen))
+        return seen.followed_by(Rays.of_sonar(sonar).without_echoes_of(seen))
 
 
 class _Sensor:

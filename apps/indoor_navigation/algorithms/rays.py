@@ -11,6 +11,7 @@ SONAR_RANGE = 3.0  # m; an echo from farther away may be anywhere in the wide co
 HALF_CONE = 0.45  # rad between the axis of a disc and the edge of its cone
 TAN_HALF_CONE = tan(HALF_CONE)
 RANGE_TOLERANCE = 0.2  # m by which a disc may measure less than the laser, for the same object
+MIN_WATCHING = 2  # laser rays in the cone of a disc, above which the laser looks across it
 RAY_RADIUS = 0.02  # m from a ray within which it shows whether a place is free
 
 
@@ -110,15 +111,39 @@ class Rays:
         return np.asarray(((ahead > 0.0) & (ahead < length + RAY_RADIUS) & (across < RAY_RADIUS)).any(axis=1))
 
     def unexplained_by(self, laser: "Rays") -> "Rays":
-        """Return those of these sonar rays that show what the laser does not.
+        """Return these echoes of sonar without those that the laser explains.
 
         A disc measures the nearest object in a wide cone, for example a door frame beside the axis. Where the laser
-        hits something in the cone that is as near, the laser knows better where that is. Where the laser sees across
-        the whole cone, the axis adds nothing to the free space. What remains is too low or too transparent for the
-        laser, or outside its view.
+        hits something in the cone that is as near, the laser knows better where that is. What remains is too low or
+        too transparent for the laser, or outside its view.
         """
         if not len(laser.end_x) or not len(self.end_x):
             return self
+        return self.where(~self._beside(laser)[0])
+
+    def without_echoes_of(self, laser: "Rays") -> "Rays":
+        """Return all these sonar rays; those whose echo the laser explains end before it, and hit nothing.
+
+        They add nothing to what the laser shows. But they show that nothing nearer returns the sound.
+        """
+        if not len(laser.end_x) or not len(self.end_x):
+            return self
+        is_seen, _ = self._beside(laser)
+        is_explained = self.hits & is_seen
+        length = np.hypot(self.end_x - self.origin_x, self.end_y - self.origin_y)
+        part = np.where(is_explained, np.maximum(0.0, 1.0 - RANGE_TOLERANCE / np.maximum(length, RANGE_TOLERANCE)), 1.0)
+        end_x = self.origin_x + part * (self.end_x - self.origin_x)
+        end_y = self.origin_y + part * (self.end_y - self.origin_y)
+        return Rays(self.origin_x, self.origin_y, end_x, end_y, self.hits & ~is_seen)
+
+    def are_watched_by(self, laser: "Rays") -> Bools:
+        """Return for which of these sonar rays the laser looks across the cone."""
+        if not len(laser.end_x) or not len(self.end_x):
+            return np.zeros(len(self.end_x), bool)
+        return self._beside(laser)[1]
+
+    def _beside(self, laser: "Rays") -> tuple[Bools, Bools]:
+        """Return whether the laser explains the end of each sonar ray, and whether it looks across the cone."""
         length = np.hypot(self.end_x - self.origin_x, self.end_y - self.origin_y)
         axis = np.arctan2(self.end_y - self.origin_y, self.end_x - self.origin_x)
         x, y = laser.end_x - self.origin_x[:, None], laser.end_y - self.origin_y[:, None]
@@ -126,7 +151,7 @@ class Rays:
         is_in_cone = np.abs(c * y - s * x) <= TAN_HALF_CONE * (c * x + s * y)
         reach = (length + RANGE_TOLERANCE)[:, None]
         is_seen = (is_in_cone & (x * x + y * y <= reach * reach) & laser.hits).any(axis=1)
-        return self.where(~np.where(self.hits, is_seen, is_in_cone.sum(axis=1) > 2))
+        return np.asarray(is_seen), np.asarray(is_in_cone.sum(axis=1) > MIN_WATCHING)
 
 
 def in_odom(pose: Pose, x: float, y: float, heading: float) -> Pose:
@@ -140,10 +165,3 @@ def in_robot(pose: Pose, x: Floats, y: Floats) -> tuple[Floats, Floats]:
     c, s = cos(pose[2]), sin(pose[2])
     along, across = x - pose[0], y - pose[1]
     return c * along + s * across, c * across - s * along
-
-
-def nearest(x: Floats, y: Floats, to_x: Floats, to_y: Floats) -> Floats:
-    """Return the distance of each place to the nearest of the others, m; infinite where there is none."""
-    if not len(x):
-        return np.empty(0)
-    return np.asarray(np.hypot(x[:, None] - to_x, y[:, None] - to_y).min(axis=1, initial=np.inf))

@@ -6,7 +6,7 @@ robot must not turn as if the frame were gone.
 
 import numpy as np
 
-from apps.indoor_navigation.algorithms.legs import Legs
+from apps.indoor_navigation.algorithms.bodies import Bodies
 from apps.indoor_navigation.algorithms.perception import Perceived
 from apps.indoor_navigation.algorithms.rays import Rays, in_robot
 from apps.indoor_navigation.data import Floats, Ints, Pose
@@ -31,8 +31,7 @@ class Surroundings:
         self._x = self._y = self._seen_at = np.empty(0)
         self._last = Rays.none()
         self._is_scanned = self._last.is_of_scanner
-        self._people = np.empty(0), np.empty(0)
-        self._legs = Legs()
+        self._bodies = Bodies.none()
 
     def see(self, perceived: Perceived) -> None:
         """Add what the sensors show, and remove remembered places that they show to be free."""
@@ -55,15 +54,14 @@ class Surroundings:
         remembered = Rays(self._x, self._y, self._x, self._y, np.ones(len(self._x), bool))
         echoes = rays.where(~is_of_scanner & rays.hits)
         self._last = scanned.followed_by(echoes.unexplained_by(scanned.followed_by(remembered)))
-        self._is_scanned, self._people = self._last.is_of_scanner, perceived.people
-        self._legs.see(stamp, self._last.where(self._is_scanned))
+        self._is_scanned, self._bodies = self._last.is_of_scanner, perceived.bodies
 
     def places(self, pose: Pose) -> tuple[Floats, Floats]:
         """Return x and y of all obstacles within `MAX_DISTANCE`, in the frame of a robot at a pose in odom."""
         hits = self._last.hits
-        body_x, body_y = self._legs.bodies()
-        x = np.concatenate((self._last.end_x[hits], self._x, body_x, self._people[0]))
-        y = np.concatenate((self._last.end_y[hits], self._y, body_y, self._people[1]))
+        body_x, body_y = self._bodies.outlines()
+        x = np.concatenate((self._last.end_x[hits], self._x, body_x))
+        y = np.concatenate((self._last.end_y[hits], self._y, body_y))
         x, y = in_robot(pose, x, y)
         is_near = x * x + y * y < MAX_DISTANCE * MAX_DISTANCE
         return x[is_near], y[is_near]

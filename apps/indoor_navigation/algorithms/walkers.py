@@ -1,11 +1,10 @@
-"""People who move: what moved between two scans, how fast it approaches, and where it stopped."""
+"""People who move: what moved between two scans, and how fast it approaches."""
 
 from collections import deque
 
 import numpy as np
 
-from apps.indoor_navigation.algorithms.legs import bodies
-from apps.indoor_navigation.algorithms.rays import Rays, in_odom, nearest
+from apps.indoor_navigation.algorithms.rays import in_odom
 from apps.indoor_navigation.data import Floats, LaserRead, Place
 
 Moved = tuple[Floats, Floats]  # x and y in odom
@@ -21,11 +20,6 @@ WALKER_TIME = 0.5  # s for which a person counts as walking after the last motio
 APPROACH_FROM, APPROACH_UNTIL = 0.35, 0.9  # s between two places that give a speed; legs swing, so not less
 MIN_APPROACH = 0.4  # m/s, since people turn round
 APPROACH_MARGIN = 0.5  # m/s, the error that a swinging leg makes
-
-# People who walked and stand.
-STANDING_TIME = 30.0  # s for which a person counts as standing where the last motion was
-MAX_SHIFT = 0.15  # m between that place and the hits now; people do not walk so near to a wall
-PLACE_SPACING = 0.1  # m between remembered places
 
 
 class ScanMotion:
@@ -76,32 +70,6 @@ class WalkerMemory:
             return fastest
         closing = (_distance(*before[1:], place) - here) / (now - before[0])
         return min(fastest, max(MIN_APPROACH, closing + APPROACH_MARGIN))
-
-
-class StandingPeople:
-    """Places where something moved last: the laser sees legs there, and the body reaches farther."""
-
-    def __init__(self) -> None:
-        self._x = self._y = self._at = np.empty(0)
-
-    def see(self, stamp: float, x: Floats, y: Floats) -> None:
-        """Add the places that moved in a scan, at s of any clock; there may be none."""
-        if not len(self._x) and not len(x):
-            return
-        stays = (stamp - self._at < STANDING_TIME) & (self._at <= stamp)
-        stays &= nearest(self._x, self._y, x, y) >= PLACE_SPACING
-        self._x, self._y = np.concatenate((self._x[stays], x)), np.concatenate((self._y[stays], y))
-        self._at = np.concatenate((self._at[stays], np.full(len(x), stamp)))
-
-    def about(self, stamp: float, rays: Rays) -> Moved:
-        """Return the place of each person who is still there, and places on the outline of the body."""
-        if not len(self._x):
-            return self._x, self._y
-        hits_x, hits_y = rays.end_x[rays.hits], rays.end_y[rays.hits]
-        is_there = (stamp - self._at < STANDING_TIME) & (nearest(self._x, self._y, hits_x, hits_y) < MAX_SHIFT)
-        x, y = self._x[is_there], self._y[is_there]
-        body_x, body_y = bodies(x, y)
-        return np.concatenate((x, body_x)), np.concatenate((y, body_y))
 
 
 def _moved(scan: LaserRead, before: LaserRead) -> Moved:

@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 
 from apps.indoor_navigation.algorithms.attraction import Attraction
 from apps.indoor_navigation.algorithms.avoidance import avoid
+from apps.indoor_navigation.algorithms.bodies import Bodies
 from apps.indoor_navigation.algorithms.braking import safe_speed
-from apps.indoor_navigation.algorithms.legs import BODY_RADIUS, Legs
 from apps.indoor_navigation.algorithms.orientation import turn
 from apps.indoor_navigation.algorithms.outline import Outline
 from apps.indoor_navigation.algorithms.perception import Perceived, Perception
@@ -31,7 +31,7 @@ PLACES = st.lists(st.tuples(st.floats(-2.0, 2.0), st.floats(-2.0, 2.0)), min_siz
 
 
 def perceived_in(scan: LaserRead) -> Perceived:
-    return Perceived(scan.stamp, scan.pose, Rays.of_laser(scan, 120), NOWHERE)
+    return Perceived(scan.stamp, scan.pose, Rays.of_laser(scan, 120), Bodies.none())
 
 
 def at(*places: tuple[float, float]) -> tuple[Floats, Floats]:
@@ -177,50 +177,6 @@ def test_what_leaves_the_view_is_remembered_however_slowly_it_does(step: float) 
     assert np.diff(behind).max() < 0.08
 
 
-def leg_at(distance: float, first: int, count: int = 10) -> Rays:
-    ranges = np.full(361, 4.0)
-    ranges[first : first + count] = distance
-    return Rays.of_laser(scan(ranges), 120)
-
-
-def test_more_is_thought_about_a_leg_than_the_laser_sees() -> None:
-    legs = Legs()
-    legs.see(0.0, leg_at(1.5, 176))
-    x, y = legs.bodies()
-    assert np.hypot(x - 1.5, y) == pytest.approx(np.full(8, BODY_RADIUS), abs=0.05)
-    nothing = Legs()
-    nothing.see(0.0, Rays.of_laser(scan(np.full(361, 4.0)), 120))
-    assert len(nothing.bodies()[0]) == 0
-
-
-def test_a_leg_half_behind_the_other_one_is_a_leg_as_well() -> None:
-    ranges = np.full(361, 4.0)
-    ranges[170:190], ranges[190:204] = 0.8, 1.1
-    legs = Legs()
-    legs.see(0.0, Rays.of_laser(scan(ranges), 120))
-    bodies = np.sort(legs.bodies()[0].reshape(2, 8).mean(axis=1))  # eight places about each leg
-    assert bodies == pytest.approx([0.8, 1.1], abs=0.1)
-
-
-def test_what_was_a_leg_is_one_for_a_while_though_it_looks_like_something_else() -> None:
-    legs = Legs()
-    legs.see(0.0, leg_at(1.0, 176))
-    both = leg_at(1.0, 176, 40)
-    for stamp, is_believed in ((0.1, True), (9.0, True), (11.0, False)):
-        legs.see(stamp, both)
-        assert bool(len(legs.bodies()[0])) == is_believed
-
-
-def test_a_leg_that_left_the_view_beside_the_robot_is_believed_and_one_that_walked_on_is_not() -> None:
-    legs = Legs()
-    legs.see(0.0, leg_at(1.0, 40))
-    nothing_ahead = Rays.of_laser(scan(np.full(361, 4.0), pose=(0.9, 0.0, 0.0)), 120)
-    legs.see(1.0, nothing_ahead)
-    assert len(legs.bodies()[0]) == 8
-    legs.see(1.1, Rays.of_laser(scan(np.full(361, 4.0)), 120))
-    assert len(legs.bodies()[0]) == 0
-
-
 def test_who_walks_away_is_not_thought_to_come() -> None:
     def approach(speed: float) -> float:
         walkers = WalkerMemory()
@@ -252,6 +208,14 @@ def test_a_disc_that_hears_what_the_laser_sees_beside_its_axis_says_nothing_new(
     laser = Rays.of_laser(scan(ranges), 120)
     assert len(Rays.of_sonar(sonar(1.5)).unexplained_by(laser).end_x) == 0
     assert len(Rays.of_sonar(sonar(0.7)).unexplained_by(laser).end_x) == 1  # too low for the laser
+
+
+def test_an_echo_that_the_laser_explains_shows_that_nothing_nearer_returns_the_sound() -> None:
+    ranges = np.full(361, 6.0)
+    ranges[200:230] = 1.5
+    rays = Rays.of_sonar(sonar(1.5, 0.7, inf)).without_echoes_of(Rays.of_laser(scan(ranges), 120))
+    assert rays.end_x == pytest.approx([1.3, 0.7, 3.0])
+    assert rays.hits.tolist() == [False, True, False]
 
 
 def test_a_sensor_that_says_the_same_while_the_robot_moves_is_left_out() -> None:

@@ -1,4 +1,4 @@
-"""A part of the floor as a grid: evidence of an obstacle in each cell, and its times."""
+"""A part of the floor as a grid: what each sensor shows of an obstacle in each cell, and its times."""
 
 from math import ceil, floor
 from typing import Any, NamedTuple
@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from apps.indoor_navigation.data import Bools, Floats, Place
 
 Evidence = NDArray[np.int8]
+Singles = NDArray[np.float32]
 
 OCCUPIED = 2  # evidence from which on a cell has an obstacle
 PASSED = -1  # evidence after one ray has passed; a cell is free at or below
@@ -18,8 +19,10 @@ NEVER, PASSABLE = np.nan, np.inf  # first_hit of a cell that was not hit yet, an
 class Area(NamedTuple):
     """A rectangle of cells in rows of equal y; the lower left corner of the first is at x, y in odom.
 
-    first_hit: s, or NEVER, or PASSABLE. fixed: cells of walls: hit for some time and never free before. hit_at: s of
-    the last hit. theirs_at: s when a walking person was there last.
+    evidence: of the laser, and of sonar where no laser looks. first_hit: s, or NEVER, or PASSABLE. fixed: cells of
+    walls: hit for some time and never free before. hit_at: s of the last hit. theirs_at: s when a walking person was
+    there last. echo: evidence of what sonar hears and the laser sees through. heard_from: direction of the disc that
+    heard it last, from the cell, rad in odom. body: cells of what may be a person now.
     """
 
     x: float
@@ -30,23 +33,29 @@ class Area(NamedTuple):
     fixed: Bools
     hit_at: Floats
     theirs_at: Floats
+    echo: Evidence
+    heard_from: Singles
+    body: Bools
 
     @classmethod
     def of(cls, x: float, y: float, resolution: float, evidence: Evidence) -> "Area":
         """Return an area with this evidence; all obstacles are walls."""
         long_ago = np.full(evidence.shape, -np.inf)
         never = np.full(evidence.shape, NEVER)
-        return cls(x, y, resolution, evidence, never, evidence >= OCCUPIED, long_ago, long_ago.copy())
+        fixed = evidence >= OCCUPIED
+        silent, unheard = np.zeros(evidence.shape, np.int8), np.zeros(evidence.shape, np.float32)
+        nobody = np.zeros(evidence.shape, bool)
+        return cls(x, y, resolution, evidence, never, fixed, long_ago, long_ago.copy(), silent, unheard, nobody)
 
     @property
     def occupied(self) -> Bools:
         """Cells with an obstacle."""
-        return self.evidence >= OCCUPIED
+        return (self.evidence >= OCCUPIED) | (self.echo >= OCCUPIED) | self.body
 
     @property
     def walls(self) -> Bools:
-        """Cells with an obstacle that is not expected to go away."""
-        return self.occupied & self.fixed
+        """Cells with an obstacle that is not expected to go away; what the laser sees through is glass, no person."""
+        return (self.occupied & self.fixed) | (self.echo >= OCCUPIED)
 
     @property
     def unknown(self) -> Bools:
@@ -74,6 +83,9 @@ class Area(NamedTuple):
             self.fixed[here],
             self.hit_at[here],
             self.theirs_at[here],
+            self.echo[here],
+            self.heard_from[here],
+            self.body[here],
         )
 
     def around(self, *places: Place, margin: float) -> "Area":

@@ -4,16 +4,21 @@ A hit counts more than a ray that passes. But a few passing rays remove an obsta
 is forgotten at once, and a room may change. An obstacle where the floor was free before may go away again. So may one
 that was seen only for a short time, because a walking person is also seen somewhere for the first time. A walking
 person who leaves the view is taken to have walked on.
+
+What sonar hears and the laser sees through, such as glass, is remembered apart: a laser ray that passes shows nothing
+of it. It stays until a disc listens from a similar direction and no longer hears it. From another direction a smooth
+surface reflects the sound elsewhere.
 """
 
 from dataclasses import dataclass
-from math import ceil
+from math import ceil, cos, tan
 from typing import NamedTuple
 
 import numpy as np
 
+from apps.indoor_navigation.algorithms.bodies import Bodies
 from apps.indoor_navigation.algorithms.perception import Perceived
-from apps.indoor_navigation.algorithms.planning.area import NEVER, PASSABLE, PASSED, Area
+from apps.indoor_navigation.algorithms.planning.area import NEVER, PASSABLE, PASSED, Area, Singles
 from apps.indoor_navigation.algorithms.rays import Rays
 from apps.indoor_navigation.data import Bools, Floats, Ints, ObstRead, Place
 
@@ -22,6 +27,12 @@ SURELY_FREE = -3  # evidence of a cell that is not a wall, whatever stands there
 MAX_EVIDENCE, MIN_EVIDENCE = 8, -4  # so a few rays change a cell
 MARGIN = 5.0  # m that the area grows beyond the need, since each growth copies it
 WALKER_TIME = 0.5  # s after a person was at a place during which a hit there belongs to the person
+ECHO, MAX_ECHO = 2, 6  # evidence of an echo that the laser sees through, and the most of it
+SIMILAR = 0.4  # rad between two directions from which a disc hears the same surfaces
+NARROW_CONE = 0.26  # rad beside the axis of a disc within which it hears what is there
+ECHO_DEPTH = 0.15  # m before the end of a sonar ray that are free for certain
+SONAR_MOUNT = 0.6  # m, the farthest that a disc is from the middle of a robot
+BESIDE_BODY = 0.2  # m about a body within which an echo is the body's
 SEAM_PARTS = 6  # of the seam between two hits; at most 0.1 m each, the edge of a cell
 MAX_SEAM = 0.6  # m between two hits of one surface
 
@@ -83,6 +94,9 @@ class Grid:
             np.pad(area.fixed, pad),
             np.pad(area.hit_at, pad, constant_values=-np.inf),
             np.pad(area.theirs_at, pad, constant_values=-np.inf),
+            np.pad(area.echo, pad),
+            np.pad(area.heard_from, pad),
+            np.pad(area.body, pad),
         )
         return True
 
@@ -90,11 +104,15 @@ class Grid:
         """Add the evidence of a reading: where rays passed and where they hit an obstacle."""
         if not self.include(reading.pose[:2], self._parameters.reach):
             return
-        rays = _BelievedRays.of(Perceived.of(reading).rays, self._parameters)
+        perceived = Perceived.of(reading)
+        is_of_scanner = perceived.rays.is_of_scanner
+        scanned, sonar = perceived.rays.where(is_of_scanner), perceived.rays.where(~is_of_scanner)
+        is_watched = sonar.are_watched_by(scanned)
+        # Where no laser looks, sonar shows what is there and what is not.
+        rays = _BelievedRays.of(scanned.followed_by(sonar.where(~is_watched)), self._parameters)
         area = self.area
         passed = self._passed(rays)
-        people = self._flat(reading.people_x, reading.people_y)
-        hits = np.concatenate((self._flat(rays.end_x[rays.hits], rays.end_y[rays.hits]), people))
+        hits = self._flat(rays.end_x[rays.hits], rays.end_y[rays.hits])
         kept = self._flat(*_seams(rays.end_x[rays.hits], rays.end_y[rays.hits]))
         votes = np.zeros(area.evidence.size, np.int8)
         votes[passed] = PASSED
@@ -104,8 +122,13 @@ class Grid:
         evidence = area.evidence.reshape(-1)
         evidence[changed] = np.clip(evidence[changed] + votes[changed], MIN_EVIDENCE, MAX_EVIDENCE)
         free = changed[evidence[changed] <= SURELY_FREE]
-        self._date(changed[votes[changed] == HIT], np.concatenate((free, self._unfixed(people))), reading.stamp)
-        area.theirs_at.reshape(-1)[self._about(reading.people_x, reading.people_y)] = reading.stamp
+        self._put_bodies(perceived.bodies, reading.stamp)
+        self._date(changed[votes[changed] == HIT], free, reading.stamp)
+        self._hear(
+            _BelievedRays.of(sonar, self._parameters),
+            _BelievedRays.of(sonar.where(is_watched), self._parameters),
+            perceived,
+        )
         self._let_go(area.around(reading.pose[:2], margin=self._parameters.reach), reading.stamp)
 
     def take_for_walls(self, x: float, y: float, radius: float) -> None:
@@ -116,7 +139,7 @@ class Grid:
     def doubt(self, x: float, y: float, radius: float) -> None:
         """Clear the cells within a radius, m."""
         part = self.area.around((x, y), margin=radius)
-        part.evidence[:] = 0
+        part.evidence[:], part.echo[:] = 0, 0
         part.first_hit[:], part.fixed[:] = NEVER, False
 
     def _date(self, hit: Ints, free: Ints, stamp: float) -> None:
@@ -127,17 +150,47 @@ class Grid:
         first_hit[hit[np.isnan(first_hit[hit])]] = stamp
         fixed[hit] |= stamp - first_hit[hit] >= self._parameters.settled
 
-    def _unfixed(self, people: Ints) -> Ints:
-        """Return the cells of people that are not walls: where a person walked there is floor."""
-        return people[~self.area.fixed.reshape(-1)[people]]
+    def _put_bodies(self, bodies: Bodies, stamp: float) -> None:
+        """Replace the cells of bodies; where one moved that is not a wall, there is floor."""
+        self.area.body[:] = False
+        for x, y, radius, has_moved in zip(
+            bodies.x.tolist(), bodies.y.tolist(), bodies.radius.tolist(), bodies.have_moved.tolist(), strict=True
+        ):
+            part = self.area.around((x, y), margin=radius)
+            height, width = part.body.shape
+            across = part.x + (np.arange(width) + 0.5) * part.resolution - x
+            along = part.y + (np.arange(height)[:, None] + 0.5) * part.resolution - y
+            is_within = np.hypot(across, along) <= radius
+            part.body[is_within] = True
+            if has_moved:
+                part.theirs_at[is_within] = stamp
+                part.first_hit[is_within & ~part.fixed] = PASSABLE
 
-    def _about(self, x: Floats, y: Floats) -> Ints:
-        """Return the cells at these places and their neighbours."""
-        if not len(x):
-            return np.empty(0, np.intp)
-        edge = self._parameters.resolution
-        beside = [self._flat(x + right * edge, y + up * edge) for right in (-1, 0, 1) for up in (-1, 0, 1)]
-        return np.concatenate(beside)
+    def _hear(self, sonar: "_BelievedRays", watched: "_BelievedRays", perceived: Perceived) -> None:
+        """Update what sonar hears and the laser sees through.
+
+        An echo comes from somewhere in a wide cone. Where another disc hears that a place is free, it is not there.
+
+        Args:
+            sonar: All sonar rays.
+            watched: Those where the laser looks.
+            perceived: With bodies, whose echoes are not those of glass.
+        """
+        near = self.area.around(perceived.pose[:2], margin=self._parameters.lone_reach + SONAR_MOUNT)
+        rows, columns = near.echo.nonzero()
+        x = np.asarray(near.x + (columns + 0.5) * near.resolution, np.float64)
+        y = np.asarray(near.y + (rows + 0.5) * near.resolution, np.float64)
+        silent = sonar.are_silent(x, y, near.heard_from[rows, columns])
+        near.echo[rows[silent], columns[silent]] += PASSED
+        bodies, hits = perceived.bodies, watched.hits
+        x, y = watched.end_x[hits], watched.end_y[hits]
+        directions = np.arctan2(-watched.sines[hits], -watched.cosines[hits])
+        apart = np.hypot(x[:, None] - bodies.x, y[:, None] - bodies.y) - bodies.radius
+        is_there = (apart.min(axis=1, initial=np.inf) > BESIDE_BODY) & ~sonar.are_silent(x, y, directions)
+        for each_x, each_y, direction in zip(x[is_there], y[is_there], directions[is_there], strict=True):
+            row, column = self.area.cell(each_x, each_y)
+            self.area.echo[row, column] = min(self.area.echo[row, column] + ECHO, MAX_ECHO)
+            self.area.heard_from[row, column] = direction
 
     def _let_go(self, near: Area, stamp: float) -> None:
         """Remove walking people who are out of view."""
@@ -193,6 +246,23 @@ class _BelievedRays(NamedTuple):
             np.minimum(lengths, reach),
             rays.hits[sound] & (lengths <= reach),
         )
+
+    def are_silent(self, x: Floats, y: Floats, heard_from: Floats | Singles) -> Bools:
+        """Return at which places a disc hears nothing that listens from where they were heard.
+
+        Args:
+            x, y: The places in odom, m.
+            heard_from: Directions to the discs that heard them, rad.
+        """
+        if not len(x) or not len(self.lengths):
+            return np.zeros(len(x), bool)
+        from_x, from_y = x - self.origin_x[:, None], y - self.origin_y[:, None]
+        c, s = self.cosines[:, None], self.sines[:, None]
+        along, across = c * from_x + s * from_y, np.abs(c * from_y - s * from_x)
+        is_free = (along > 0.0) & (across <= tan(NARROW_CONE) * along)
+        is_free &= np.hypot(from_x, from_y) < (self.lengths - np.where(self.hits, ECHO_DEPTH, 0.0))[:, None]
+        is_free &= np.cos(np.arctan2(-s, -c) - heard_from) > cos(SIMILAR)
+        return np.asarray(is_free.any(axis=0))
 
 
 def _seams(x: Floats, y: Floats) -> tuple[Floats, Floats]:

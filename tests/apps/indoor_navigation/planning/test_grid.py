@@ -76,7 +76,13 @@ def test_somebody_who_has_walked_on_is_forgotten_within_a_second_of_readings() -
 def with_somebody(x: float, y: float, stamp: float) -> ObstRead:
     """A reading that hits somebody who has walked there, and a wall."""
     seen = reading((x, y, True), (0.05, 3.05, True), stamp=stamp)
-    return replace(seen, people_x=np.array([x]), people_y=np.array([y]))
+    return with_body(seen, x, y, moved=True)
+
+
+def with_body(seen: ObstRead, x: float, y: float, *, moved: bool) -> ObstRead:
+    """A reading with a body of 0.35 m."""
+    radius, has_moved = np.array([0.35]), np.array([float(moved)])
+    return replace(seen, body_x=np.array([x]), body_y=np.array([y]), body_radius=radius, body_moved=has_moved)
 
 
 @pytest.mark.parametrize("was_free", [True, False])
@@ -109,6 +115,92 @@ def test_somebody_who_did_not_yield_is_not_forgotten() -> None:
     grid.take_for_walls(3.0, 0.0, 0.5)
     grid.see(reading((-1.05, 0.05, True), stamp=20.0))
     assert occupied(grid, 3.05, 0.05)
+
+
+def test_a_body_bars_its_whole_disc_while_it_is_one_and_is_no_wall() -> None:
+    grid = Grid(PARAMETERS)
+    for stamp in np.arange(0.0, 5.0, 0.1):
+        grid.see(with_body(reading((3.05, 0.05, True), stamp=stamp), 3.05, 0.05, moved=False))
+    assert occupied(grid, 3.05, 0.35)
+    assert occupied(grid, 2.75, 0.05)
+    assert not is_wall(grid, 3.05, 0.35)
+    assert is_wall(grid, 3.05, 0.05), "what the laser hits stands there, whatever it is"
+    grid.see(reading((3.05, 0.05, True), stamp=5.0))
+    assert not occupied(grid, 3.05, 0.35)
+
+
+def heard(end: float | None, *, y: float = 0.05, turned: float = 0.0, stamp: float = 0.0) -> ObstRead:
+    """The laser sees through all in front; one disc at y hears something at an x, or nothing within 3 m."""
+    beams = np.radians(np.linspace(-90.0, 90.0, 121))
+    length = 3.0 if end is None else end
+    return ObstRead(
+        stamp,
+        (0.0, 0.0, 0.0),
+        None,
+        0.0,
+        np.append(np.zeros(121), 0.0),
+        np.append(np.zeros(121), y),
+        np.append(6.0 * np.cos(beams), length * np.cos(turned)),
+        np.append(6.0 * np.sin(beams), y + length * np.sin(turned)),
+        np.append(np.ones(121), float(end is not None)),
+        False,
+    )
+
+
+def test_what_sonar_hears_and_the_laser_sees_through_is_a_wall_until_sonar_no_longer_hears_it() -> None:
+    grid = Grid(PARAMETERS)
+    grid.see(heard(0.85))
+    assert occupied(grid, 0.85, 0.05)
+    assert is_wall(grid, 0.85, 0.05)
+    for _ in range(20):
+        grid.see(reading((5.05, 0.05, True)))
+    assert occupied(grid, 0.85, 0.05), "the laser shows nothing of it"
+    for _ in range(5):
+        grid.see(heard(None))
+    assert not occupied(grid, 0.85, 0.05)
+
+
+def test_a_disc_that_listens_from_another_side_shows_nothing_of_a_pane() -> None:
+    grid = Grid(PARAMETERS)
+    grid.see(heard(0.85))
+    for _ in range(20):
+        grid.see(heard(None, y=-0.5, turned=0.6))
+    assert occupied(grid, 0.85, 0.05)
+
+
+def test_an_echo_is_not_where_a_disc_beside_it_hears_nothing() -> None:
+    grid = Grid(PARAMETERS)
+    one, other = heard(0.85), heard(None, y=0.1)
+    both = replace(
+        one,
+        origin_x=np.append(one.origin_x, other.origin_x[-1]),
+        origin_y=np.append(one.origin_y, other.origin_y[-1]),
+        end_x=np.append(one.end_x, other.end_x[-1]),
+        end_y=np.append(one.end_y, other.end_y[-1]),
+        hits=np.append(one.hits, other.hits[-1]),
+    )
+    grid.see(both)
+    assert not occupied(grid, 0.85, 0.05)
+
+
+def test_an_echo_of_a_body_is_no_pane() -> None:
+    grid = Grid(PARAMETERS)
+    grid.see(with_body(heard(0.85), 1.15, 0.05, moved=False))
+    grid.see(reading((5.05, 0.05, True)))
+    assert not occupied(grid, 0.75, 0.05)
+
+
+def test_where_no_laser_looks_sonar_shows_what_is_there_and_what_has_gone() -> None:
+    grid = Grid(PARAMETERS)
+    ends, origins = np.array([-0.85, -3.0]), np.zeros(2)
+    behind = ObstRead(
+        0.0, (0.0, 0.0, 0.0), None, 0.0, origins, np.array([0.05, 0.3]), ends, np.array([0.05, 0.3]), np.ones(2), False
+    )
+    grid.see(behind)
+    assert occupied(grid, -0.85, 0.05)
+    for _ in range(10):
+        grid.see(reading((-5.05, 0.05, True)))
+    assert not occupied(grid, -0.85, 0.05)
 
 
 def is_wall(grid: Grid, x: float, y: float) -> bool:
