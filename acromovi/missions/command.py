@@ -132,7 +132,7 @@ def _run_fresh(options: argparse.Namespace) -> int:
             draw_mission(options.out / pictures[-1], result)
     (options.out / "fresh.md").write_text(fresh_page(results, seed, pictures), encoding="utf-8")
     print(f"see {options.out}/fresh.md")
-    return 0 if all(result.is_good for result in results) else 1
+    return 0 if all(result.is_good for result in results if result.has_room) else 1
 
 
 def _run_file(options: argparse.Namespace) -> int:
@@ -184,8 +184,8 @@ def play_many(jobs: Sequence[M], instead: Instead | None = None, processes: int 
     began, good = time.monotonic(), []
 
     def told(result: Result[M]) -> None:
-        good.append(result.is_good)
-        mark = "ok  " if result.is_good else "FAIL"
+        good.append(result.is_good or not result.has_room)
+        mark = ("ok  " if result.is_good else "FAIL") if result.has_room else "none"
         so_far = f"{len(good)}/{len(jobs)} {time.monotonic() - began:.0f} s, {good.count(False)} failed"
         print(f"{mark} {result.job.name:<48} {so_far}", flush=True)
 

@@ -93,10 +93,13 @@ def fresh_page(results: Sequence[FreshResult], seed: int, pictures: Iterable[str
         seed: Of their floors.
         pictures: Files beside the page, to be shown.
     """
+    without = sum(not result.has_room for result in results)
+    results = [result for result in results if result.has_room]
     parts = [
         "# Missions on fresh floors",
         f"Seeds from {seed}, with all errors of odometry and sensors. Parameters were tuned on the families "
-        f"{', '.join(TUNED)} only. A mission is good when the goal is reached and nothing was touched.",
+        f"{', '.join(TUNED)} only. A mission is good when the goal is reached and nothing was touched."
+        + (f" {without} floors have no room for such a mission; they do not count." if without else ""),
         _sides(results),
         _by("family", results, lambda result: result.job.family),
         _by("robot", results, lambda result: result.job.job.carrier),

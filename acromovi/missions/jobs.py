@@ -12,7 +12,7 @@ from random import Random
 import numpy as np
 
 import configs
-from acromovi.missions.task import Task
+from acromovi.missions.task import NoRoom, Task
 from geometry import Point, Pose2D, Segment
 from p2os import RobotModel
 from p2os_emu.world import WorldError, WorldSpec, load_world
@@ -180,7 +180,7 @@ class _Chooser:
                 if way is None or way.length < least or (case is Case.ROOMS and not self._passes_corridor(way)):
                     continue
                 return Pose2D(*start, round(chance.uniform(-math.pi, math.pi), 3)), goal, way
-        raise WorldError(f"world {self.world.name!r} has no room for a mission of case {case}; choose another world")
+        raise NoRoom(f"world {self.world.name!r} has no room for a mission of case {case}; choose another world")
 
     def _way_to(self, goal: Point, start: Point) -> Path | None:
         """The shortest way, if the robot has room to turn at both ends."""

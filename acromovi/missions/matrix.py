@@ -12,7 +12,7 @@ from typing import Generic, TypeVar
 
 from acromovi.missions.course import Course, Played
 from acromovi.missions.judge import CRUISING, MissionVerdict, judge
-from acromovi.missions.task import Mission, Task
+from acromovi.missions.task import Mission, NoRoom, Task
 from apps.indoor_navigation.component import Component
 from configs import ConfigError
 from geometry import Pose2D
@@ -34,6 +34,7 @@ class Result(Generic[M]):
     task: None when there is no such mission. verdict: None when it could not be played; error then says why, with the
     traceback of a defect.
     path, believed: true, and as odometry had it, 4 Hz.
+    has_room: whether the world has a start and a goal for it.
     told: what the navigation told the person. reports: what went wrong in its components.
     """
 
@@ -45,6 +46,7 @@ class Result(Generic[M]):
     told: tuple[str, ...] = ()
     reports: tuple[str, ...] = ()
     error: str = ""
+    has_room: bool = True
 
     @property
     def is_good(self) -> bool:
@@ -71,6 +73,8 @@ def play(job: M, instead: Instead | None = None) -> Result[M]:
             played.told,
             played.reports,
         )
+    except NoRoom as err:
+        return Result(job, error=str(err), has_room=False)
     except (WorldError, ConfigError, FitError) as err:
         return Result(job, task, error=str(err))
     except Exception:

@@ -4,11 +4,15 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from geometry import Point, Pose2D
-from p2os_emu.world import WorldSpec
+from p2os_emu.world import WorldError, WorldSpec
 from p2os_emu.world.shortest_path import Path, shortest_path
 
 MOST_CLEARANCE = 0.6  # m; a way with more room is not distinguished
 CLEARANCE_STEP = 0.005  # m, of the search
+
+
+class NoRoom(WorldError):
+    """A world has no start and goal for a mission of a case."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -66,3 +66,10 @@ def test_page_shows_tuned_and_other_families_their_difference_and_each_failure()
     assert "`acromovi missions --case room --condition error --seed 3 --robot p2dx --world store:3`" in page
     assert "![failed.png](failed.png)" in page
     assert "None." in fresh_page(results[:3], 17)
+
+
+def test_floors_without_room_for_a_mission_do_not_count() -> None:
+    good = result("plan", Condition.ERROR, GOOD)
+    page = fresh_page([good, replace(good, verdict=None, error="no room", has_room=False)], 17)
+    assert "| static | all | 1 of 1 (100%) |" in page
+    assert "1 floors have no room" in page
