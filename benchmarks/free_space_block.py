@@ -10,13 +10,14 @@ from math import atan2, hypot, pi
 
 import numpy as np
 
-from apps.indoor_navigation.algorithms.attraction import AttractionParameters, Speeds
 from apps.indoor_navigation.algorithms.outline import Outline
+from apps.indoor_navigation.algorithms.tracking import Speeds, TrackingParameters
 from apps.indoor_navigation.components.goto import Goto, Steering
-from apps.indoor_navigation.data import Floats, RobotOdometry, WorldCoord
+from apps.indoor_navigation.data import Floats, Place, RobotOdometry, WorldCoord
 from geometry import wrap_angle
 
 BLOCKS = 24  # of 15 degrees, about as many as a ring of sonar discs has
+AHEAD = 0.8  # m on the path to the place that it steers to
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,16 +35,17 @@ class BlockParameters:
 
 
 class FreeSpaceBlock:
-    """Steers by the blocks of one reading; takes the place of `Attraction`."""
+    """Steers by the blocks of one reading; takes the place of `PathTracking`."""
 
     def __init__(self, outline: Outline, parameters: BlockParameters | None = None) -> None:
         self._outline = outline
         self._parameters = parameters or BlockParameters()
 
     def steer(self, odometry: RobotOdometry, target: WorldCoord, places: tuple[Floats, Floats]) -> Speeds:
-        """Say how to go on; see `Attraction.steer`."""
+        """Say how to go on; see `PathTracking.steer`."""
         parameters = self._parameters
-        x, y = target.x - odometry.x, target.y - odometry.y
+        ahead = _ahead(odometry, target)
+        x, y = ahead[0] - odometry.x, ahead[1] - odometry.y
         distance = hypot(x, y)
         if distance <= parameters.there:
             return Speeds()
@@ -77,9 +79,17 @@ class FreeSpaceBlock:
         return not ((along > 0.0) & (along < reach) & (np.abs(across) < lane)).any()
 
 
+def _ahead(odometry: RobotOdometry, target: WorldCoord) -> Place:
+    """Return a place some way ahead on the path, to which this method can steer straight."""
+    for x, y in zip(target.path[::2], target.path[1::2], strict=True):
+        if hypot(x - odometry.x, y - odometry.y) > AHEAD:
+            return x, y
+    return target.x, target.y
+
+
 class BlockGoto(Goto):
     """Goto by that method: `BlockGoto("goto@happy", properties)` in place of the wiring's own."""
 
-    def steering(self, parameters: AttractionParameters, outline: Outline) -> Steering:
+    def steering(self, parameters: TrackingParameters, outline: Outline) -> Steering:
         """By blocks, and with numbers of its own."""
         return FreeSpaceBlock(outline)

@@ -138,7 +138,8 @@ class WorldCoord(Data):
 
     order: rising number; a component ignores a target with a lower order than its last. aim: `go` to the place, go
     `back` to it with the rear ahead, `turn` to `heading`, or `rest`. speed: upper limit. is_last: the robot stops at
-    the place; otherwise it passes. then: x and y of the next target, if it is known.
+    the place; otherwise it passes. path: x and y of places on the way to it in turn, from one near the robot on; empty
+    for a straight way.
     """
 
     stamp: float
@@ -149,7 +150,7 @@ class WorldCoord(Data):
     heading: float = 0.0
     speed: float = 0.0
     is_last: bool = True
-    then: Place | None = None
+    path: tuple[float, ...] = ()
 
 
 # Readings.

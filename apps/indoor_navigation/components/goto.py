@@ -4,10 +4,10 @@ from dataclasses import dataclass, replace
 from math import pi
 from typing import Protocol
 
-from apps.indoor_navigation.algorithms.attraction import Attraction, AttractionParameters, Speeds
 from apps.indoor_navigation.algorithms.outline import Outline
 from apps.indoor_navigation.algorithms.perception import Perceived
 from apps.indoor_navigation.algorithms.surroundings import MEMORY_TIME, Surroundings
+from apps.indoor_navigation.algorithms.tracking import PathTracking, Speeds, TrackingParameters
 from apps.indoor_navigation.component import Role, hears, is_told
 from apps.indoor_navigation.components.embodied import Embodied
 from apps.indoor_navigation.data import Floats, MotionCmd, ObstRead, RobotOdometry, WorldCoord
@@ -22,7 +22,7 @@ class _GotoParameters:
     """max_age: s between pose and obstacles beyond which the robot stands."""
 
     max_age: float
-    attraction: AttractionParameters
+    tracking: TrackingParameters
 
 
 class Steering(Protocol):
@@ -58,15 +58,15 @@ class Goto(Embodied):
 
     def embody(self, outline: Outline, deceleration: float) -> None:
         """Create the steering for this robot, forward and backward."""
-        parameters: AttractionParameters = self.parameters.attraction
+        parameters: TrackingParameters = self.parameters.tracking
         parameters = replace(parameters, deceleration=min(parameters.deceleration, deceleration))
         self._steering = {
             aim: self.steering(parameters, each) for aim, each in ((GO, outline), (BACK, outline.reversed))
         }
 
-    def steering(self, parameters: AttractionParameters, outline: Outline) -> Steering:
+    def steering(self, parameters: TrackingParameters, outline: Outline) -> Steering:
         """Return the steering method for a robot with this outline."""
-        return Attraction(parameters, outline)
+        return PathTracking(parameters, outline)
 
     @is_told(WorldCoord)
     async def go(self, target: WorldCoord) -> None:

@@ -204,7 +204,7 @@ class PathPlanning(Component):
 
 def _is_same(one: Order, other: Order) -> bool:
     """Return whether two orders lead to the same motion."""
-    if (one.aim, one.is_last, one.speed, one.then) != (other.aim, other.is_last, other.speed, other.then):
+    if (one.aim, one.is_last, one.speed, one.path) != (other.aim, other.is_last, other.speed, other.path):
         return False
     if one.aim == "turn":
         return abs(one.heading - other.heading) < SAME_HEADING

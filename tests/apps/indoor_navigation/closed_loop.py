@@ -13,7 +13,6 @@ from typing import Protocol
 import numpy as np
 
 import configs
-from apps.indoor_navigation.algorithms.attraction import Attraction, Speeds
 from apps.indoor_navigation.algorithms.avoidance import Push, avoid
 from apps.indoor_navigation.algorithms.fusion import CommandSource, Fusion
 from apps.indoor_navigation.algorithms.obstacle_detection import obstacles
@@ -22,6 +21,7 @@ from apps.indoor_navigation.algorithms.perception import Perceived, Perception
 from apps.indoor_navigation.algorithms.rays import in_robot
 from apps.indoor_navigation.algorithms.sonar_memory import SonarMemory
 from apps.indoor_navigation.algorithms.surroundings import Surroundings
+from apps.indoor_navigation.algorithms.tracking import PathTracking, Speeds
 from apps.indoor_navigation.components.embodied import SURE
 from apps.indoor_navigation.data import Floats, LaserRead, MotionCmd, ObstRead, RobotOdometry, SonarRead, WorldCoord
 from apps.indoor_navigation.parameters import shipped_parameters
@@ -40,7 +40,7 @@ START = Pose2D()
 Segments = Sequence[tuple[float, float, float, float]]
 # As `Embodied` limits them to what a robot surely does.
 AVOIDANCE = replace(shipped_parameters("obstacle_avoiding").avoidance, deceleration=SURE * ACCELERATION)
-ATTRACTION = replace(shipped_parameters("goto").attraction, deceleration=SURE * ACCELERATION)
+TRACKING = replace(shipped_parameters("goto").tracking, deceleration=SURE * ACCELERATION)
 FUSION = replace(shipped_parameters("motion_fuser").fusion, sources={"obstacle_avoiding": CommandSource(required=True)})
 
 
@@ -151,7 +151,7 @@ class ClosedLoop:
         self._mount = robot.laser.x, robot.laser.y, 0.0
         self._perception = Perception(shipped_parameters("obstacle_avoiding").senses)
         self._surroundings, self._known = Surroundings(), Surroundings()
-        self._steering = steering(self.outline) if steering else Attraction(ATTRACTION, self.outline)
+        self._steering = steering(self.outline) if steering else PathTracking(TRACKING, self.outline)
         self._fusion = Fusion(FUSION)
         self._late: deque[Callable[[], None]] = deque()
         self._told = (0.0, 0.0)
@@ -160,9 +160,22 @@ class ClosedLoop:
         self.last_push: Push | None = None
         self.last_obstacles: ObstRead | None = None
 
-    def go(self, x: float, y: float, *, seconds: float = 60.0, speed: float = 0.5, is_last: bool = True) -> Trace:
-        """Steer to a target until it is reached and the robot stands, or has passed it, or the time is over."""
-        target = WorldCoord(0.0, len(self.trace.poses) + 1, "go", x, y, 0.0, speed, is_last)
+    def go(
+        self,
+        x: float,
+        y: float,
+        *,
+        seconds: float = 60.0,
+        speed: float = 0.5,
+        is_last: bool = True,
+        path: Sequence[tuple[float, float]] = (),
+    ) -> Trace:
+        """Steer to a target until it is reached and the robot stands, or has passed it, or the time is over.
+
+        Without a path the way is straight, from where the robot is now.
+        """
+        points = tuple(value for point in path or [(self.pose.x, self.pose.y), (x, y)] for value in point)
+        target = WorldCoord(0.0, len(self.trace.poses) + 1, "go", x, y, 0.0, speed, is_last, points)
         self.trace.reached_at = None
         until = self.time + seconds
         while self.time < until:

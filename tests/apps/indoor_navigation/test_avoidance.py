@@ -8,7 +8,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from apps.indoor_navigation.algorithms.attraction import Attraction
 from apps.indoor_navigation.algorithms.avoidance import avoid
 from apps.indoor_navigation.algorithms.bodies import Bodies
 from apps.indoor_navigation.algorithms.braking import safe_speed
@@ -18,7 +17,7 @@ from apps.indoor_navigation.algorithms.perception import Perceived, Perception
 from apps.indoor_navigation.algorithms.rays import Rays
 from apps.indoor_navigation.algorithms.surroundings import Surroundings
 from apps.indoor_navigation.algorithms.walkers import ScanMotion, WalkerMemory
-from apps.indoor_navigation.data import Floats, LaserRead, RobotOdometry, SonarRead, WorldCoord
+from apps.indoor_navigation.data import Floats, LaserRead, RobotOdometry, SonarRead
 from apps.indoor_navigation.parameters import shipped_parameters
 from geometry import wrap_angle
 
@@ -255,18 +254,6 @@ def test_what_has_left_the_view_is_remembered_and_what_is_seen_through_is_not() 
     assert len(surroundings.places((0.0, 0.0, 0.0))[0]) == 0
 
 
-@given(st.floats(-3.0, 3.0))
-def test_attraction_in_free_space_is_straight_at_the_target(heading: float) -> None:
-    steering = Attraction(shipped_parameters("goto").attraction, ROBOT)
-    target = WorldCoord(0.0, 1, "go", 3.0, 0.0, 0.0, 0.5)
-    for step in range(3):
-        speeds = steering.steer(RobotOdometry(0.1 * step, 0.0, 0.0, heading, 0.0, 0.0), target, NOWHERE)
-    if abs(heading) > 0.01:
-        assert speeds.angular * -heading > 0.0
-    assert speeds.linear > 0.0 or abs(heading) > 1.5
-    assert speeds.linear == 0.0 or abs(heading) < 1.65
-
-
 @given(st.floats(-pi, pi), st.floats(-pi, pi))
 def test_a_turn_ends_at_its_heading_and_not_beyond(start: float, wanted: float) -> None:
     heading, angular, told = start, 0.0, [0.0, 0.0]
@@ -289,13 +276,3 @@ def test_a_turn_ends_at_its_heading_and_not_beyond(start: float, wanted: float) 
 def test_nothing_is_seen_where_nothing_is() -> None:
     assert len(Rays.none().followed_by(Rays.none()).end_x) == 0
     assert len(Surroundings().places((0.0, 0.0, 0.0))[0]) == 0
-
-
-@pytest.mark.parametrize(("ahead", "turns"), [(1.5, False), (0.5, True)])
-def test_a_corner_is_rounded_once_it_is_near_if_it_is_known_what_follows(ahead: float, turns: bool) -> None:
-    corner = WorldCoord(0.0, 1, "go", ahead, 0.0, speed=0.5, is_last=False, then=(ahead, 2.0))
-    steering = Attraction(shipped_parameters("goto").attraction, ROBOT)
-    for step in range(5):
-        speeds = steering.steer(RobotOdometry(0.1 * step, 0.0, 0.0, 0.0, 0.4, 0.0), corner, NOWHERE)
-    assert (speeds.angular > 0.1) == turns
-    assert speeds.linear > 0.0

@@ -20,9 +20,9 @@ def test_the_shipped_wiring_files_give_each_value(path: Any) -> None:
 
 def test_a_value_that_is_left_out_is_the_shipped_one() -> None:
     shipped = shipped_parameters("goto")
-    given = build_parameters(Goto.parameters_type, {"attraction": {"gain": 9.0}}, "mine.toml")
-    assert given.attraction.gain == 9.0
-    assert given.attraction.angular == shipped.attraction.angular
+    given = build_parameters(Goto.parameters_type, {"tracking": {"gain": 9.0}}, "mine.toml")
+    assert given.tracking.gain == 9.0
+    assert given.tracking.angular == shipped.tracking.angular
     assert given.max_age == shipped.max_age
 
 
@@ -46,5 +46,5 @@ def test_both_who_perceive_use_the_same_parameters() -> None:
 
 
 def test_a_key_that_is_unknown_is_told_with_its_file() -> None:
-    with pytest.raises(ConfigError, match=r"mine\.toml: unknown key attraction\.gian; did you mean attraction\.gain"):
-        build_parameters(Goto.parameters_type, {"attraction": {"gian": 9.0}}, "mine.toml")
+    with pytest.raises(ConfigError, match=r"mine\.toml: unknown key tracking\.gian; did you mean tracking\.gain"):
+        build_parameters(Goto.parameters_type, {"tracking": {"gian": 9.0}}, "mine.toml")

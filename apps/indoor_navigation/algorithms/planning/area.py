@@ -58,6 +58,11 @@ class Area(NamedTuple):
         return (self.occupied & self.fixed) | (self.echo >= OCCUPIED)
 
     @property
+    def staying(self) -> Bools:
+        """Cells with an obstacle where none has come: walls, and what stood there when the place was first seen."""
+        return self.occupied & (self.fixed | ~np.isinf(self.first_hit))
+
+    @property
     def unknown(self) -> Bools:
         """Cells that no ray has reached."""
         return (self.evidence > PASSED) & (self.evidence < OCCUPIED)

@@ -19,7 +19,7 @@ from geometry import wrap_angle
 SAME_CENTRE = 0.45  # m between the centres of two sightings of one door
 SAME_AXIS = 0.6  # rad between their normals, in either direction
 SPACING = 0.5  # m between the points of a remembered way
-WAY_HALF_WIDTH = 0.15  # m to each side of a remembered way that counts as known floor
+WAY_HALF_WIDTH = 0.3  # m to each side of a remembered way that counts as known floor
 WALL_HALF_WIDTH = 0.15  # m to each side of an expected wall
 MAX_SIGHTINGS = 50.0  # that count in the mean, so that the place of a door still follows drifting odometry
 PLACE = "place"

@@ -33,7 +33,9 @@ NARROW_CONE = 0.26  # rad beside the axis of a disc within which it hears what i
 ECHO_DEPTH = 0.15  # m before the end of a sonar ray that are free for certain
 SONAR_MOUNT = 0.6  # m, the farthest that a disc is from the middle of a robot
 BESIDE_BODY = 0.2  # m about a body within which an echo is the body's
-SEAM_PARTS = 6  # of the seam between two hits; at most 0.1 m each, the edge of a cell
+STRIDE = 0.7  # of a cell, between two places of a ray that passes, so that no cell in its middle is left out
+SEAM_PARTS = 12  # of the seam between two hits; at most 5 cm each, the edge of a cell
+MAX_GAP = 0.04  # rad between two rays of a scan with nothing between their ends but what one of them hits
 MAX_SEAM = 0.6  # m between two hits of one surface
 
 
@@ -60,7 +62,7 @@ class Grid:
 
     def __init__(self, parameters: GridParameters) -> None:
         self._parameters = parameters
-        self._steps = np.arange(0.0, self._parameters.reach, self._parameters.resolution)
+        self._steps = np.arange(0.0, parameters.reach, STRIDE * parameters.resolution)
         self.forget()
 
     def forget(self) -> None:
@@ -111,7 +113,7 @@ class Grid:
         # Where no laser looks, sonar shows what is there and what is not.
         rays = _BelievedRays.of(scanned.followed_by(sonar.where(~is_watched)), self._parameters)
         area = self.area
-        passed = self._passed(rays)
+        passed = np.concatenate((self._passed(rays), self._passed(rays.between)))
         hits = self._flat(rays.end_x[rays.hits], rays.end_y[rays.hits])
         kept = self._flat(*_seams(rays.end_x[rays.hits], rays.end_y[rays.hits]))
         votes = np.zeros(area.evidence.size, np.int8)
@@ -263,6 +265,20 @@ class _BelievedRays(NamedTuple):
         is_free &= np.hypot(from_x, from_y) < (self.lengths - np.where(self.hits, ECHO_DEPTH, 0.0))[:, None]
         is_free &= np.cos(np.arctan2(-s, -c) - heard_from) > cos(SIMILAR)
         return np.asarray(is_free.any(axis=0))
+
+    @property
+    def between(self) -> "_BelievedRays":
+        """A ray between each two of a scan, as long as the shorter one, because cells are smaller than gaps."""
+        is_one = (self.origin_x[1:] == self.origin_x[:-1]) & (self.origin_y[1:] == self.origin_y[:-1])
+        is_one &= self.cosines[1:] * self.cosines[:-1] + self.sines[1:] * self.sines[:-1] > cos(MAX_GAP)
+        first, second = np.flatnonzero(is_one), np.flatnonzero(is_one) + 1
+        cosines, sines = self.cosines[first] + self.cosines[second], self.sines[first] + self.sines[second]
+        norm = np.hypot(cosines, sines)
+        cosines, sines = cosines / norm, sines / norm
+        x, y = self.origin_x[first], self.origin_y[first]
+        lengths = np.minimum(self.lengths[first], self.lengths[second])
+        hits = self.hits[first] | self.hits[second]
+        return _BelievedRays(x, y, x + lengths * cosines, y + lengths * sines, cosines, sines, lengths, hits)
 
 
 def _seams(x: Floats, y: Floats) -> tuple[Floats, Floats]:

@@ -1,67 +1,22 @@
-"""The robot's knowledge: its pose and path, the grid, the doors, and places where it was stuck lately."""
+"""The robot's knowledge: its pose and trail, the grid, the doors, and places where it was stuck lately."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from math import atan2, ceil, hypot
+from math import hypot
 from typing import Any
 
-import numpy as np
-
 from apps.indoor_navigation.algorithms.outline import Outline
+from apps.indoor_navigation.algorithms.planning.area import Area
 from apps.indoor_navigation.algorithms.planning.doors_map import DoorsMap, MapParameters
 from apps.indoor_navigation.algorithms.planning.grid import Grid, GridParameters
+from apps.indoor_navigation.algorithms.planning.ground import Ground
 from apps.indoor_navigation.algorithms.planning.terrain import CostParameters, Hints, Strip, Terrain, terrain
 from apps.indoor_navigation.algorithms.pose_history import is_pose_jump
-from apps.indoor_navigation.data import ObstRead, Place, Pose
-from geometry import wrap_angle
-
-CRUMB_SPACING = 0.1  # m
-LOOK_BACK = 4  # crumbs to the next target of the way back, so that this is smooth
-RECENT, RECENT_RANGE = 6, 0.3  # newest crumbs that may be taken up at once, and m from them
-MAX_CRUMBS = 100  # 10 m; farther back the robot never drives in reverse
-
-
-class Breadcrumbs:
-    """Places of the robot's path in odom, the last one at the robot; on the way back, passed crumbs are removed."""
-
-    def __init__(self) -> None:
-        self._places: list[Place] = []
-
-    def __len__(self) -> int:
-        return len(self._places)
-
-    def __getitem__(self, number: int) -> Place:
-        return self._places[number]
-
-    def drop(self, place: Place) -> None:
-        """Add the place of the robot."""
-        places = self._places
-        recent = places[-RECENT:]
-        apart = [_apart(place, crumb) for crumb in recent]
-        if recent and min(apart) < RECENT_RANGE:
-            del places[len(places) - len(recent) + apart.index(min(apart)) + 1 :]
-        if not places or _apart(place, places[-1]) >= CRUMB_SPACING:
-            places.append(place)
-        del places[:-MAX_CRUMBS]
-
-    def forget(self) -> None:
-        """Forget all crumbs, because the origin of odom has changed."""
-        self._places.clear()
-
-    def towards(self, number: int) -> Place:
-        """Return the next target on the way back to a crumb."""
-        return self._places[max(number, len(self._places) - 1 - LOOK_BACK)]
-
-
-def _apart(one: Place, other: Place) -> float:
-    return hypot(other[0] - one[0], other[1] - one[1])
-
+from apps.indoor_navigation.data import Bools, ObstRead, Place, Pose
 
 UNKNOWN_MARGIN = 2.0  # m of unknown floor around the known floor through which a way may lead
+ASIDE_RANGE = 5.0  # m around the robot where it may go aside
 TRAIL_SPACING = 0.1  # m between two points of the trail
-MIN_BACK, MAX_BACK = 3, 30  # crumbs of a way back: 0.3 to 3 m
-MAX_PENETRATION = 0.05  # m inside the turning outline; half a cell, so a cell deeper inside bars the turn
-TURN_STEP = 0.15  # rad between checked headings of a turn; the corners move 0.1 m at most
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,8 +32,8 @@ class MemoryParameters:
 class Memory:
     """Knowledge in odom. outline: of the robot.
 
-    pose: None before the first reading. travelled: m of this mission. crumbs: path over all missions. has_jumped:
-    whether odom was set anew at least once.
+    pose: None before the first reading. travelled: m of this mission. has_jumped: whether odom was set anew at least
+    once.
     """
 
     def __init__(self, parameters: MemoryParameters, outline: Outline) -> None:
@@ -90,7 +45,6 @@ class Memory:
         self.travelled = 0.0
         self.has_jumped = False
         self.trail: list[Place] = []
-        self.crumbs = Breadcrumbs()
         self._stamp = 0.0
         self._avoided: list[tuple[Strip, float]] = []
         self._ways: tuple[Strip, ...] = ()  # of earlier missions
@@ -105,8 +59,12 @@ class Memory:
     @property
     def place(self) -> Place:
         """The place of the robot."""
+        return self._robot[:2]
+
+    @property
+    def _robot(self) -> Pose:
         assert self.pose is not None  # never used before the first reading
-        return self.pose[:2]
+        return self.pose
 
     def see(self, reading: ObstRead) -> bool:
         """Take a reading; return True where odom was set anew and all places were forgotten."""
@@ -123,7 +81,6 @@ class Memory:
         """Forget all places."""
         self.grid.forget()
         self.doors.forget()
-        self.crumbs.forget()
         self.pose, self._avoided = None, []
         self.begin_trail()
 
@@ -142,36 +99,17 @@ class Memory:
         """Raise the cost around a place where the robot was stuck, until s."""
         self._avoided.append((Strip(place, place, radius), until))
 
-    def may_turn(self, place: Place, start: float, end: float) -> bool:
-        """Return whether the grid allows a turn at a place from one heading to another, rad.
+    def survey(
+        self, goal: Place, now: float, *, standing: Callable[[Area], Bools] | None = None, hope: float = 0.0
+    ) -> Ground | None:
+        """Return the costs of the known floor with a margin; None where the goal is too far away to plan.
 
-        In a door the corners must fit between the jambs, because cells are too coarse to show that.
+        Args:
+            goal: In odom.
+            now: s.
+            standing: Cells with obstacles that do not go away; by default all obstacles.
+            hope: Cost of the others.
         """
-        door = self.doors.around(place, self.outline.sweep)
-        if door is not None and self.doors.doors[door].width / 2.0 < self.outline.sweep:
-            return False
-        near = self.grid.area.around(place, margin=self.outline.sweep)
-        rows, columns = near.occupied.nonzero()
-        x = np.asarray(near.x + (columns + 0.5) * near.resolution, np.float64)
-        y = np.asarray(near.y + (rows + 0.5) * near.resolution, np.float64)
-        turn = wrap_angle(end - start)
-        headings = np.asarray(start + np.linspace(0.0, turn, max(2, ceil(abs(turn) / TURN_STEP))), np.float64)
-        poses = np.zeros(len(headings)) + place[0], np.zeros(len(headings)) + place[1], headings
-        return not bool((self.outline.distances(poses, x, y) < -MAX_PENETRATION).any())
-
-    def may_turn_to(self, place: Place, target: Place) -> bool:
-        """Return whether the robot may turn at a place from its present heading to a target."""
-        assert self.pose is not None  # never used before the first reading
-        return self.may_turn(place, self.pose[2], atan2(target[1] - place[1], target[0] - place[0]))
-
-    def way_back(self, target: Place) -> int | None:
-        """Return the nearest crumb where the robot can turn to a target; None if there is none within reach."""
-        last = len(self.crumbs) - 1
-        numbers = range(last - MIN_BACK, max(last - MAX_BACK, 0) - 1, -1)
-        return next((number for number in numbers if self.may_turn_to(self.crumbs[number], target)), None)
-
-    def survey(self, goal: Place, now: float, *, hopes: float | None = None) -> Terrain | None:
-        """Return the costs of the known floor with a margin; None where the goal is too far away to plan."""
         if not self.grid.include(goal, UNKNOWN_MARGIN):
             return None
         known = self.grid.area.known()
@@ -180,13 +118,24 @@ class Memory:
         for corner in corners:
             self.grid.include(corner, UNKNOWN_MARGIN)
         area = self.grid.area.around(*corners, self.place, goal, margin=UNKNOWN_MARGIN)
-        return terrain(
-            area, self.half_width, self.parameters.cost, hints=self._hints(now), robot=self.place, hopes=hopes
+        return Ground.of(
+            area,
+            self.outline,
+            self.parameters.cost,
+            self._robot,
+            hints=self._hints(now),
+            standing=standing(area) if standing else None,
+            hope=hope,
         )
 
-    def survey_near(self) -> Terrain:
+    def survey_near(self) -> Ground:
         """Return the costs of the floor near the robot, without hints."""
-        area = self.grid.area.around(self.place, margin=self.parameters.near)
+        area = self.grid.area.around(self.place, margin=self.parameters.near + self.outline.sweep)
+        return Ground.of(area, self.outline, self.parameters.cost, self._robot)
+
+    def survey_flat(self) -> Terrain:
+        """Return the costs of the floor near the robot for any heading, without hints."""
+        area = self.grid.area.around(self.place, margin=ASIDE_RANGE)
         return terrain(area, self.half_width, self.parameters.cost, robot=self.place)
 
     def picture(self) -> dict[str, Any]:
@@ -220,7 +169,6 @@ class Memory:
     def _go(self, pose: Pose) -> None:
         """Update the robot's path."""
         self.pose = pose
-        self.crumbs.drop(pose[:2])
         before = self.trail[-1] if self.trail else None
         if before is None:
             self.trail.append(pose[:2])

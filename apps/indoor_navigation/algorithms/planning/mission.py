@@ -11,7 +11,7 @@ from apps.indoor_navigation.algorithms.planning.memory import Memory
 from apps.indoor_navigation.algorithms.planning.orders import REST, MissionNote, MissionParameters, Order
 from apps.indoor_navigation.algorithms.planning.pausing import Pausing
 from apps.indoor_navigation.algorithms.planning.situation import Situation
-from apps.indoor_navigation.algorithms.planning.states import ACTIVE, MissionEvent, MissionState
+from apps.indoor_navigation.algorithms.planning.states import ACTIVE, MOVING, MissionEvent, MissionState
 from apps.indoor_navigation.algorithms.planning.waiting import FOR_SIGHT
 from apps.indoor_navigation.data import GoalPoint, ObstRead
 
@@ -30,10 +30,7 @@ class Navigator:
         self._handlers: dict[MissionState, Callable[[float], Order | None]] = {
             MissionState.REPLANNING: pausing.replan,
             MissionState.WAITING: pausing.wait,
-            MissionState.TURNING: driving.turn,
-            MissionState.GOING: driving.go,
-            MissionState.PASSING: driving.go,
-            MissionState.BACKING: driving.back,
+            **dict.fromkeys(MOVING, driving.follow),
         }
 
     @property
@@ -87,7 +84,6 @@ class Navigator:
                 situation.machine.happens(
                     MissionEvent.POSE_JUMPED, now, "the robot's pose was set anew, and all that was seen is forgotten"
                 )
-        situation.progress.see(reading, now)
 
     # Outputs.
 

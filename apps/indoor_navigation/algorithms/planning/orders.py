@@ -4,16 +4,14 @@ from dataclasses import dataclass
 
 from apps.indoor_navigation.algorithms.planning.guide import GuideParameters
 from apps.indoor_navigation.algorithms.planning.progress import ProgressParameters
-from apps.indoor_navigation.data import Place
 
 
 @dataclass(frozen=True, slots=True)
 class MissionParameters:
     """Parameters of missions.
 
-    speed, door_speed, back_speed: maximum m/s, through doors, and backward. turn_from, turn_until: rad to the next
-    sub-target above which the robot turns on the spot, and below which the turn ends. door_from, door_until: likewise
-    before a narrow door. heading: tolerance of the heading at the goal, rad. silence: s without a reading after which
+    speed, back_speed: maximum m/s, forward and backward. face: rad off a barred place, above which the waiting robot
+    turns to it. heading: tolerance of the heading at the goal, rad. silence: s without a reading after which
     the robot stops. look: s between two searches for a better way. detour: m of a detour that is taken at once; for a
     longer one the robot waits as long as the detour takes, but at most `patience` s. hope: s to wait for an obstacle
     where there is no other way. sure: s without any way after which the mission fails. courtesy: s of waiting after
@@ -21,12 +19,8 @@ class MissionParameters:
     """
 
     speed: float
-    door_speed: float
     back_speed: float
-    turn_from: float
-    turn_until: float
-    door_from: float
-    door_until: float
+    face: float
     heading: float
     silence: float
     look: float
@@ -51,7 +45,7 @@ class Order:
     heading: float = 0.0
     speed: float = 0.0
     is_last: bool = True
-    then: Place | None = None
+    path: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

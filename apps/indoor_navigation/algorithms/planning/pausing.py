@@ -93,4 +93,4 @@ class Pausing:
             return REST
         guide = self._situation.guide
         heading = guide.direction(waiting.place)
-        return Order("turn", heading=heading) if guide.off(heading) > self._parameters.turn_from else REST
+        return Order("turn", heading=heading) if guide.off(heading) > self._parameters.face else REST

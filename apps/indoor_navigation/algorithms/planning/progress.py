@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from math import hypot, inf
 
-from apps.indoor_navigation.data import ObstRead, Place, Pose
+from apps.indoor_navigation.data import Place, Pose
 from geometry import wrap_angle
 
 
@@ -11,19 +11,16 @@ from geometry import wrap_angle
 class ProgressParameters:
     """When the robot counts as stuck, and what follows.
 
-    stuck: s without a motion of `step` m or `turn` rad. dead_end: s in a dead end. around, long: m around a place that
-    it does not leave for s. turns: maximum number of turns at one place. avoid, avoid_for: m around the place ahead
-    that costs more afterwards, for s. strikes: maximum number of times before the mission fails; after `fresh` m the
-    count begins again.
+    stuck: s without a motion of `step` m or `turn` rad. around, long: m around a place that it does not leave for s.
+    avoid, avoid_for: m around the place ahead that costs more afterwards, for s. strikes: maximum number of times
+    before the mission fails; after `fresh` m the count begins again.
     """
 
     stuck: float
     step: float
     turn: float
-    dead_end: float
     around: float
     long: float
-    turns: int
     avoid: float
     avoid_for: float
     strikes: int
@@ -42,25 +39,13 @@ class Progress:
         self._neighbourhood: Place | None = None
         self._strikes, self._struck_at = 0, -inf
         self._around_for, self._checked_at = 0.0, inf
-        self._turned_at: Place = (inf, inf)
-        self._turns = 0
         self.go_on()
 
     def go_on(self) -> None:
         """Restart the times, because the robot does something else from now on."""
         self._anchor: Pose | None = None
-        self._anchored_at, self._dead_end_since = inf, inf
+        self._anchored_at = inf
         self._checked_at = inf
-
-    def see(self, reading: ObstRead, now: float) -> None:
-        """Take a report of a dead end."""
-        self._dead_end_since = min(self._dead_end_since, now) if reading.is_dead_end else inf
-
-    def turn(self, place: Place) -> None:
-        """Count a turn on the spot."""
-        if _apart(place, self._turned_at) > self._parameters.step:
-            self._turned_at, self._turns = place, 0
-        self._turns += 1
 
     def is_held(self, pose: Pose, now: float) -> bool:
         """Return whether the robot has neither driven nor turned for too long; call only while it is to move."""
@@ -80,18 +65,13 @@ class Progress:
             self._neighbourhood, self._around_for = pose[:2], 0.0
         self._around_for += max(now - self._checked_at, 0.0)
         self._checked_at = now
-        return (
-            is_held
-            or now - max(self._anchored_at, self._dead_end_since) > parameters.dead_end
-            or self._around_for > parameters.long
-            or self._turns > parameters.turns
-        )
+        return is_held or self._around_for > parameters.long
 
     def strike(self, travelled: float) -> int:
         """Count that the robot is stuck; return how often it was around here. travelled: m of this mission."""
         self._strikes = self._strikes + 1 if travelled - self._struck_at < self._parameters.fresh else 1
         self._struck_at = travelled
-        self._neighbourhood, self._turns = None, 0
+        self._neighbourhood = None
         self.go_on()
         return self._strikes
 

@@ -31,9 +31,8 @@ class MissionEvent(StrEnum):
     WAY_BARRED = "way barred"
     CAME_NO_FARTHER = "came no farther"
     HAS_TO_TURN = "has to turn"
-    HAS_TURNED = "has turned"
     HAS_TO_BACK = "has to back"
-    HAS_BACKED = "has backed"
+    LEADS_ON = "leads on"
     DOOR_AHEAD = "door ahead"
     DOOR_PASSED = "door passed"
     WAITED_ENOUGH = "waited enough"
@@ -56,18 +55,14 @@ TRANSITIONS: Final[Mapping[tuple[MissionState, MissionEvent], MissionState]] = {
     **from_each(
         (MissionState.REPLANNING, MissionState.WAITING, MissionState.GOING), MissionEvent.WAY_FOUND, MissionState.GOING
     ),
-    (MissionState.TURNING, MissionEvent.WAY_FOUND): MissionState.TURNING,
-    (MissionState.PASSING, MissionEvent.WAY_FOUND): MissionState.PASSING,
+    **{(state, MissionEvent.WAY_FOUND): state for state in MOVING if state is not MissionState.GOING},
     **from_each((*MOVING, MissionState.REPLANNING), MissionEvent.WAY_BARRED, MissionState.WAITING),
     **from_each(MOVING, MissionEvent.CAME_NO_FARTHER, MissionState.REPLANNING),
     **from_each((MissionState.WAITING,), MissionEvent.WAITED_ENOUGH, MissionState.REPLANNING),
     **from_each((MissionState.WAITING,), MissionEvent.SEES_AGAIN, MissionState.REPLANNING),
-    **from_each((MissionState.GOING, MissionState.PASSING), MissionEvent.HAS_TO_TURN, MissionState.TURNING),
-    (MissionState.TURNING, MissionEvent.HAS_TURNED): MissionState.GOING,
-    **from_each(
-        (MissionState.TURNING, MissionState.GOING, MissionState.PASSING), MissionEvent.HAS_TO_BACK, MissionState.BACKING
-    ),
-    (MissionState.BACKING, MissionEvent.HAS_BACKED): MissionState.REPLANNING,
+    **from_each(MOVING, MissionEvent.HAS_TO_TURN, MissionState.TURNING),
+    **from_each(MOVING, MissionEvent.HAS_TO_BACK, MissionState.BACKING),
+    **from_each((MissionState.TURNING, MissionState.BACKING), MissionEvent.LEADS_ON, MissionState.GOING),
     (MissionState.GOING, MissionEvent.DOOR_AHEAD): MissionState.PASSING,
     (MissionState.PASSING, MissionEvent.DOOR_PASSED): MissionState.GOING,
     **from_each(MOVING, MissionEvent.ARRIVED, MissionState.DONE),

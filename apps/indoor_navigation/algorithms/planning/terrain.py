@@ -1,4 +1,4 @@
-"""The cost map: high near obstacles, a little above 1 in the unknown, and higher where a wall is expected."""
+"""Costs of the floor: high near obstacles, a little above 1 in the unknown, and higher where a wall is expected."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -6,7 +6,6 @@ from math import ceil, hypot
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from apps.indoor_navigation.algorithms.planning.area import Area
 from apps.indoor_navigation.data import Bools, Floats, Ints, Place
@@ -14,6 +13,7 @@ from apps.indoor_navigation.data import Bools, Floats, Ints, Place
 BARRED = 1e6  # cost of a metre where the robot does not fit; no way that is free costs as much
 START_COST = 20.0  # likewise, but at the robot's place, so that a way out can be found
 START_MARGIN = 0.15  # m around the robot where this cost applies, beside the half width; grid cells are coarse
+ROUNDING = 1e-6  # m, of distances
 SAMPLES = 2.0  # of a line per cell, so that it does not miss a corner of a cell
 
 
@@ -21,17 +21,16 @@ SAMPLES = 2.0  # of a line per cell, so that it does not miss a corner of a cell
 class CostParameters:
     """Costs of a metre; known free floor costs 1.
 
-    margin: m that must be free beside the robot. comfort: m beyond the margin where nearness to an obstacle adds cost.
-    tight: cost added at the margin. squeeze: cost added within the margin, where cells are too coarse to show whether
-    the robot fits; only where it certainly does not fit, the cell is barred. unknown: cost of unknown floor. off_ways:
-    likewise, once ways are remembered, because these are known to lead somewhere. wall: cost of unknown floor beside a
-    door, because doors are in walls. hope: cost added at an obstacle that may go away. detour: cost added where the
-    robot was stuck lately.
+    comfort: m beside the robot within which an obstacle adds cost. tight: cost added where the robot touches it.
+    narrow: m beside the robot, within which `squeeze` is added besides, less with more room, because there the robot
+    must drive slowly and exactly. unknown: cost of unknown floor. off_ways: likewise, once ways are remembered, because
+    these are known to lead somewhere. wall: cost of unknown floor beside a door, because doors are in walls. hope: cost
+    added at an obstacle that may go away. detour: cost added where the robot was stuck lately.
     """
 
-    margin: float
     comfort: float
     tight: float
+    narrow: float
     squeeze: float
     unknown: float
     off_ways: float
@@ -112,28 +111,26 @@ class Terrain(NamedTuple):
         return costs
 
 
-def terrain(
-    area: Area,
-    half_width: float,
-    parameters: CostParameters,
-    *,
-    hints: Hints = NO_HINTS,
-    robot: Place | None = None,
-    hopes: float | None = None,
-) -> Terrain:
-    """Return the costs of an area.
+def terrain(area: Area, half_width: float, parameters: CostParameters, *, robot: Place | None = None) -> Terrain:
+    """Return the costs of an area for a robot of any heading: those for the room to either side of it.
 
     Args:
         area: The grid.
         half_width: Of the robot, m.
         parameters: The costs.
-        hints: Knowledge beside the grid.
         robot: Its place, which is never barred, however near obstacles seem.
-        hopes: Cost of an obstacle that may go away; only walls are barred then. By default all obstacles are.
     """
-    occupied = area.occupied
-    standing = occupied if hopes is None else area.walls
-    narrow = half_width + parameters.margin
+    room = distances(area.occupied, half_width + parameters.comfort, area.resolution) - half_width
+    cost = floor_costs(area, parameters) + nearness(room, parameters, area.resolution)
+    cost[area.occupied] = BARRED
+    if robot is not None:
+        near = covered(area, [Strip(robot, robot, half_width + START_MARGIN)])
+        cost[near & (cost >= BARRED)] = START_COST
+    return Terrain(area, cost)
+
+
+def floor_costs(area: Area, parameters: CostParameters, hints: Hints = NO_HINTS) -> Floats:
+    """Return the costs of an area without those of nearness to obstacles."""
     cost = np.where(area.unknown, parameters.off_ways if hints.ways else parameters.unknown, 1.0)
     for way in hints.ways:
         _lay(cost, area, way, area.unknown, 1.0)
@@ -141,15 +138,20 @@ def terrain(
         _lay(cost, area, wall, area.unknown, parameters.wall)
     for avoided in hints.avoided:
         _lay(cost, area, avoided, None, parameters.detour)
-    cost += _nearness(standing, narrow, parameters, area.resolution)
-    if hopes is not None:
-        barred = _squared(narrow - area.resolution, area.resolution)
-        in_the_way = clearance_squared(occupied, narrow, area.resolution) <= barred
-        cost[in_the_way] += hopes
-    if robot is not None:
-        _let_out(cost, area, robot, narrow + START_MARGIN)
-    np.minimum(cost, BARRED, out=cost)
-    return Terrain(area, cost)
+    return cost
+
+
+def nearness(room: Floats, parameters: CostParameters, inaccuracy: float) -> Floats:
+    """Return the cost added for the room between the robot and the nearest obstacle.
+
+    Args:
+        room: m; negative where the robot would be in the obstacle.
+        parameters: The costs.
+        inaccuracy: m of negative room that may come from the cells of the grid; no more room is barred.
+    """
+    cost = parameters.tight * np.maximum(1.0 - room / parameters.comfort, 0.0) ** 2
+    cost += parameters.squeeze * np.maximum(1.0 - room / parameters.narrow, 0.0)
+    return np.asarray(np.where(room < ROUNDING - inaccuracy, BARRED, cost))
 
 
 def covered(area: Area, strips: Iterable[Strip]) -> Bools:
@@ -160,8 +162,8 @@ def covered(area: Area, strips: Iterable[Strip]) -> Bools:
     return np.asarray(onto > 0.0)
 
 
-def clearance_squared(occupied: Bools, farthest: float, resolution: float) -> NDArray[np.int16]:
-    """Return the squared distance of each cell to the nearest occupied cell, in cells; exact up to `farthest` m.
+def distances(occupied: Bools, farthest: float, resolution: float) -> Floats:
+    """Return the distance of each cell from the nearest occupied cell, m, between their middles; exact to `farthest`.
 
     First the distance within each row, from the last occupied cell on either side; then the minimum over the rows.
     """
@@ -175,24 +177,7 @@ def clearance_squared(occupied: Bools, farthest: float, resolution: float) -> ND
     for away in range(1, min(reach, len(in_row) - 1) + 1):
         np.minimum(nearest[away:], in_row[:-away] + np.int16(away**2), out=nearest[away:])
         np.minimum(nearest[:-away], in_row[away:] + np.int16(away**2), out=nearest[:-away])
-    return nearest
-
-
-def _nearness(standing: Bools, narrow: float, parameters: CostParameters, resolution: float) -> Floats:
-    """Return the cost of nearness to obstacles."""
-    wide = narrow + parameters.comfort
-    squared = clearance_squared(standing, wide, resolution)
-    distance = np.sqrt(np.arange(int(squared.max(initial=0)) + 1)) * resolution
-    lacking = np.clip((wide - distance) / parameters.comfort, 0.0, 1.0)
-    table = parameters.tight * lacking**2
-    table[: _squared(narrow, resolution) + 1] += parameters.squeeze
-    table[: _squared(narrow - resolution, resolution) + 1] = BARRED
-    return np.asarray(table[squared])
-
-
-def _squared(distance: float, resolution: float) -> int:
-    """Return a distance in m as squared cells."""
-    return int((max(distance, 0.0) / resolution) ** 2 + 1e-9)
+    return np.asarray(np.sqrt(np.arange(int(nearest.max(initial=0)) + 1)) * resolution)[nearest]
 
 
 def _lay(cost: Floats, area: Area, strip: Strip, where: Bools | None, value: float) -> None:
@@ -221,11 +206,6 @@ def _distance(x: Floats, y: Floats, strip: Strip) -> Floats:
         return np.hypot(x - start_x, y - start_y)
     along = np.clip(((x - start_x) * dx + (y - start_y) * dy) / length**2, 0.0, 1.0)
     return np.hypot(x - start_x - along * dx, y - start_y - along * dy)
-
-
-def _let_out(cost: Floats, area: Area, robot: Place, radius: float) -> None:
-    """Unbar the cells around the robot."""
-    cost[covered(area, [Strip(robot, robot, radius)]) & (cost >= BARRED)] = START_COST
 
 
 class _Samples(NamedTuple):

@@ -22,6 +22,7 @@ from geometry import wrap_angle
 
 Line = tuple[float, float, float, float]
 HALF_WIDTH = 0.22  # m, of the robot
+STEER_AHEAD = 0.3  # m
 REACH = 8.0  # m, of its laser
 STEP = 0.1  # s
 BEAMS = np.linspace(-pi / 2, pi / 2, 181)
@@ -192,12 +193,24 @@ class Walker:
                 seen.append(Door(float(place[0]), float(place[1]), width + float(slip[2]), float(normal), 0.9))
         return DLEData(self.time, self.pose, tuple(seen))
 
+    def _ahead(self, order: Order) -> Place:
+        """The point on its path to which it steers."""
+        x, y, _ = self.pose
+        path = np.array(order.path).reshape(-1, 2)
+        if not len(path):
+            return order.x, order.y
+        off = np.hypot(path[:, 0] - x, path[:, 1] - y)
+        later = np.flatnonzero(off[off.argmin() :] > STEER_AHEAD)
+        at = off.argmin() + later[0] if len(later) else len(path) - 1
+        return float(path[at, 0]), float(path[at, 1])
+
     def _move(self, lines: Floats) -> None:
         order = self.order
         if order.aim == "rest":
             return
         x, y, _ = self.pose
-        wanted = order.heading if order.aim == "turn" else np.arctan2(order.y - y, order.x - x)
+        ahead = self._ahead(order)
+        wanted = order.heading if order.aim == "turn" else np.arctan2(ahead[1] - y, ahead[0] - x)
         sense = -1.0 if order.aim == "back" else 1.0
         off = wrap_angle(float(wanted) - self.heading + (pi if order.aim == "back" else 0.0))
         self.heading = wrap_angle(self.heading + max(-TURNING * STEP, min(TURNING * STEP, off)))
@@ -227,7 +240,6 @@ def shortest(plan: House, start: Place, goal: Place, time: float = 0.0) -> float
     area = Area.of(x0, y0, 0.05, evidence)
     flat = replace(
         shipped_parameters("path_planning").mission.guide.memory.cost,
-        margin=0.05,
         tight=0.0,
         squeeze=0.0,
         comfort=0.1,

@@ -13,7 +13,8 @@ from apps.indoor_navigation.algorithms.planning.grid import Grid
 from apps.indoor_navigation.data import ObstRead
 from apps.indoor_navigation.parameters import shipped_parameters
 
-PARAMETERS = shipped_parameters("path_planning").mission.guide.memory.grid
+SHIPPED = shipped_parameters("path_planning").mission.guide.memory.grid
+PARAMETERS = replace(SHIPPED, resolution=0.1)
 
 Ray = tuple[float, float, bool]  # end, and whether it hits
 
@@ -71,6 +72,24 @@ def test_somebody_who_has_walked_on_is_forgotten_within_a_second_of_readings() -
     for _ in range(10):
         grid.see(reading((5.05, 0.05, True)))
     assert not occupied(grid, 3.05, 0.05)
+
+
+def test_of_somebody_who_has_walked_on_nothing_stays_between_two_rays() -> None:
+    grid = Grid(SHIPPED)
+    angles = np.radians(np.linspace(-90.0, 90.0, 120))
+
+    def scan(distance: float, seen_from: float) -> ObstRead:
+        return reading(*((seen_from + distance * np.cos(a), distance * np.sin(a), True) for a in angles))
+
+    for shift in np.linspace(0.0, 0.2, 20):
+        grid.see(scan(2.5 + shift, 0.0))
+    for _ in range(10):
+        grid.see(scan(5.0, 0.0))
+    rows, columns = np.nonzero(grid.area.occupied)
+    x, y = grid.area.x + columns * 0.05, grid.area.y + rows * 0.05
+    is_inside = np.abs(np.arctan2(y, x)) < 1.5
+    assert is_inside.any()
+    assert np.hypot(x, y)[is_inside].min() > 4.5
 
 
 def with_somebody(x: float, y: float, stamp: float) -> ObstRead:

@@ -1,8 +1,8 @@
 """Missions in a closed loop: a robot that goes where it is told, in a house that it does not know."""
 
 from collections.abc import Callable
-from dataclasses import replace
-from math import atan2, hypot, inf, nan
+from itertools import pairwise
+from math import hypot, inf, nan
 
 import pytest
 
@@ -62,55 +62,28 @@ def test_a_heading_that_is_wanted_is_taken_at_the_end() -> None:
     assert robot.heading == pytest.approx(3.0, abs=0.15)
 
 
-def test_where_the_shorter_turn_comes_no_farther_the_robot_turns_the_other_way_round() -> None:
-    robot = walker()
+def test_where_the_shorter_turn_is_barred_the_robot_turns_the_other_way_round() -> None:
+    plan = House([]).box(-3.0, -3.0, 6.0, 6.0).box(-0.15, -0.85, 0.3, 0.3)
+    robot = walker(plan, (-1.5, 0.0, 0.0))
+    robot.navigator.memory.outline = LONG
     headings = []
-
-    def bar(robot: Walker) -> None:
-        if robot.order.aim == "turn":
-            headings.append(robot.heading)
-            if 1.0 < robot.heading < 2.0:
-                robot.heading = 1.0
-
-    robot.meanwhile = bar
-    robot.go(3.0, 8.0, heading=2.9)
+    robot.meanwhile = lambda robot: headings.append(robot.heading)
+    robot.go(0.0, 0.0, heading=2.9)
     assert robot.run_to_end() == "done"
     assert robot.heading == pytest.approx(2.9, abs=0.15)
-    assert "the other way round" in notes(robot)
     assert any(-2.0 < heading < -1.0 for heading in headings)
 
 
-def test_where_both_turns_come_no_farther_that_is_said() -> None:
+def test_a_turn_that_comes_no_farther_is_said() -> None:
     robot = walker()
 
     def bar(robot: Walker) -> None:
-        if robot.order.aim == "turn":
-            robot.heading = max(-1.0, min(1.0, robot.heading))
+        robot.heading = max(-1.0, min(1.0, robot.heading))
 
     robot.meanwhile = bar
     robot.go(3.0, 8.0, heading=2.9)
     assert robot.run_to_end() == "failed"
     assert "comes no farther" in why(robot)
-
-
-def test_a_robot_that_does_not_come_on_looks_straight_at_where_it_is_to_go() -> None:
-    robot = walker()
-
-    def hold(robot: Walker) -> None:
-        """It gets through only where it looks straight ahead, as beside the frame of a door."""
-        if robot.order.aim == "go":
-            off = atan2(robot.order.y - robot.y, robot.order.x - robot.x) - robot.heading
-            robot.is_held = robot.x < 1.5 and abs(off) > 0.2
-        else:
-            robot.is_held = False
-
-    robot.meanwhile = hold
-    robot.heading = 0.8
-    robot.go(3.0, 8.0)
-    assert robot.run_to_end() == "done"
-    assert robot.time < 20.0
-    assert "to look where it is to go" in notes(robot)
-    assert "comes no farther" not in notes(robot)
 
 
 def test_through_a_door_the_robot_goes_straight() -> None:
@@ -122,16 +95,16 @@ def test_through_a_door_the_robot_goes_straight() -> None:
     assert any(door.passed for _, door in doors.believed)
 
 
-def test_whoever_drives_is_told_what_comes_after_the_next_sub_target() -> None:
+def test_whoever_drives_is_told_the_path_to_its_end() -> None:
     robot = walker()
     robot.go(7.0, 4.7)
-    told = set()
     while robot.navigator.is_active:
         robot.step()
         if robot.order.aim == "go":
-            assert robot.order.then is None or not robot.order.is_last
-            told.add(robot.order.then)
-    assert len(told) >= 2  # from before the door it goes straight, but not from behind it
+            points = list(zip(robot.order.path[::2], robot.order.path[1::2], strict=True))
+            assert points[-1] == (robot.order.x, robot.order.y)
+            assert all(hypot(b[0] - a[0], b[1] - a[1]) < 0.2 for a, b in pairwise(points))
+            assert min(hypot(x - robot.x, y - robot.y) for x, y in points) < 0.3
 
 
 def test_round_something_that_nobody_knew_of() -> None:
@@ -399,21 +372,21 @@ def test_a_map_of_doors_that_is_forgotten_is_empty() -> None:
 
 
 def test_from_somebody_who_waits_for_it_to_go_the_robot_goes_aside() -> None:
-    plan, stood = house(), [(10.0, 6.2)]
-    plan.people.append(lambda time: stood[0])
-    # With a wide `turn_until` it sets out earlier, and the person has room to pass before the robot need make way.
-    mission = replace(shipped_parameters("path_planning").mission, turn_until=0.25)
-    robot = Walker(plan, Navigator(mission, HALF_WIDTH), (10.0, 8.6, -1.5))
+    corners = [(0.0, 0.0), (9.0, 0.0), (9.0, 1.1), (6.5, 1.1), (6.5, 2.5), (5.0, 2.5), (5.0, 1.1), (0.0, 1.1)]
+    alley = House([(*a, *b) for a, b in pairwise([*corners, corners[0]])])
+    stood = [(2.5, 0.5)]
+    alley.people.append(lambda time: stood[0])
+    robot = walker(alley, (7.5, 0.5, 3.14))
 
     def walk(robot: Walker) -> None:
-        """After a rest, from the goal to where the robot came from, as long as it is not right before them."""
+        """After a rest, to where the robot came from, as long as it is not right before them."""
         x, y = stood[0]
-        if robot.time > 6.0 and y < 8.9 and not (0.0 < robot.y - y < 1.7 and abs(robot.x - x) < 0.6):
-            stood[0] = x, y + 0.06
+        if robot.time > 2.0 and x < 8.0 and not (0.0 < robot.x - x < 1.7 and abs(robot.y - y) < 0.6):
+            stood[0] = x + 0.06, y
 
     robot.meanwhile = walk
-    robot.go(10.0, 6.2)
-    assert robot.run_to_end(90.0) == "done"
+    robot.go(1.0, 0.5)
+    assert robot.run_to_end(120.0) == "done"
     assert "making way" in notes(robot)
     assert robot.nearest > TOUCH
 
@@ -426,7 +399,7 @@ def test_a_wide_robot_comes_into_line_with_a_door_before_it_goes_through() -> No
     assert robot.run_to_end() == "done"
     through = [x for x, y in robot.trail if x < 4.0 and abs(y - 5.4) < 0.3]
     assert through
-    assert max(abs(x - 2.0) for x in through) < 0.12
+    assert max(abs(x - 2.0) for x in through) < 0.15
 
 
 def test_a_robot_in_a_door_goes_out_of_it_before_it_turns_about() -> None:
@@ -441,7 +414,7 @@ def test_a_robot_in_a_door_goes_out_of_it_before_it_turns_about() -> None:
         if turned_at is None and robot.heading > 0.3:
             turned_at = robot.y
     assert turned_at is not None
-    assert turned_at < 5.1
+    assert abs(turned_at - 5.4) > HALF_WIDTH
 
 
 def test_a_robot_that_is_shut_in_says_so_soon() -> None:

@@ -95,7 +95,8 @@ def test_a_goal_becomes_an_order_and_an_end(site: Site, others: Others) -> None:
     others.see(0.5)
     others.tell(GoalPoint("m1", 2.0, 0.0))
     others.see(0.3)
-    assert (others.orders[-1].aim, others.orders[-1].x, others.orders[-1].is_last) == ("go", 2.0, True)
+    assert (others.orders[-1].aim, others.orders[-1].is_last) == ("go", True)
+    assert others.orders[-1].x == pytest.approx(2.0, abs=0.15)
     assert site.ask("path_planning", "state")["state"] == "going"
     while others.x < 1.9:
         others.x += 0.05

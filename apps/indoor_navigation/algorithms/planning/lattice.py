@@ -1,0 +1,262 @@
+"""The cheapest plan over the poses of a robot: a hybrid A* search with the outline of the robot.
+
+The search grows motions from the pose of the robot: arcs forward and backward, and turns on the spot. Of all poses that
+fall into one cell of place and heading, it keeps the cheapest. What a metre costs depends on the room about the whole
+outline, so tight passages, backing out and turning where there is room follow from the search. The cost that is left
+is estimated by the way of a point with the robot's least width, which no plan can fall below.
+
+In each round all poses are taken at once whose estimate is within STEP_COST of the best, so that numpy handles many.
+
+Source: Dolgov, Thrun, Montemerlo, Diebel, "Practical search techniques in path planning for autonomous driving", 2008;
+the rounds: Meyer, Sanders, "Delta-stepping: a parallelizable shortest path algorithm", 2003.
+"""
+
+from itertools import groupby, pairwise
+from math import ceil, copysign, pi
+from typing import NamedTuple
+
+import numpy as np
+
+from apps.indoor_navigation.algorithms.planning.ground import Ground
+from apps.indoor_navigation.algorithms.planning.plan import Motion, Plan, PlanPiece
+from apps.indoor_navigation.algorithms.planning.search import NO_WAY, costs_to
+from apps.indoor_navigation.algorithms.planning.terrain import BARRED
+from apps.indoor_navigation.data import Bools, Floats, Ints, Place, Pose
+
+HEADINGS = 48  # of cells; a straight line is at most 3.75 degrees from one of them
+CELL = 0.1  # m, edge of a cell of places
+SPACING = 0.15  # m between two poses that are checked, and in turns rad
+STEP_COST = 0.15  # of the estimate, within which poses are handled together
+MAX_POSES = 50_000  # of a search; plans through offices need a few thousand
+BETTER = 1e-3  # of costs, by which another way to a cell must be cheaper
+
+GREED = 1.3  # of the estimate; plans cost a few percent more than the cheapest, and are found ten times sooner
+TURN_COST = 0.6  # m, of a turn by 1 rad on the spot
+STOP_COST = 0.3  # m, of a change between driving forward, driving backward and turning
+BACK_COST = 2.5  # of a metre backward, where few sensors look
+BEND_COST = 0.25  # m, of a bend by 1 rad: the robot is slower there
+
+
+class _Moves(NamedTuple):
+    """The motions that are tried from each pose.
+
+    motions, kinds: of each move; kinds are numbers of motions. fixed: cost of each. ends: index of its last sample.
+    along, aside, turn: of each sample, relative to the pose that it begins at. weights: of each sample, m.
+    """
+
+    motions: tuple[Motion, ...]
+    kinds: Ints
+    fixed: Floats
+    starts: Ints
+    ends: Ints
+    along: Floats
+    aside: Floats
+    turn: Floats
+    weights: Floats
+
+
+KINDS = tuple(Motion)
+
+
+def _moves() -> _Moves:
+    unit = 2.0 * pi / HEADINGS
+    drives = [(0.3, 0), (0.9, 0), *((0.3, bins) for bins in (-4, -1, 1, 4))]
+    drives += [(-0.3, bins) for bins in (-3, 0, 3)]
+    turns = [-6, -1, 1, 6]
+    motions, fixed, samples = [], [], []
+    for length, bins in drives:
+        count = max(2, round(abs(length) / SPACING))
+        parts = np.arange(1, count + 1) / count
+        turned = bins * unit * parts
+        chords = length * parts * np.sinc(turned / (2.0 * pi))
+        weight = abs(length) / count * (BACK_COST if length < 0.0 else 1.0)
+        motions.append(Motion.GO if length > 0.0 else Motion.BACK)
+        fixed.append(BEND_COST * abs(bins) * unit)
+        samples.append((chords * np.cos(turned / 2.0), chords * np.sin(turned / 2.0), turned, weight))
+    for bins in turns:
+        count = max(1, round(abs(bins) * unit / SPACING))
+        parts = np.arange(1, count + 1) / count
+        motions.append(Motion.TURN)
+        fixed.append(0.0)
+        samples.append((0.0 * parts, 0.0 * parts, bins * unit * parts, TURN_COST * abs(bins) * unit / count))
+    counts = np.array([len(each[0]) for each in samples])
+    ends = counts.cumsum() - 1
+    along, aside, turn = (np.concatenate([each[number] for each in samples]) for number in range(3))
+    weights = np.repeat([each[3] for each in samples], counts)
+    kinds = np.array([KINDS.index(motion) for motion in motions])
+    return _Moves(tuple(motions), kinds, np.array(fixed), ends - counts + 1, ends, along, aside, turn, weights)
+
+
+MOVES = _moves()
+
+
+class _Poses:
+    """All poses of a search: where, at what cost, and by which move from which other pose."""
+
+    def __init__(self, start: Pose, cell: int) -> None:
+        self.x, self.y, self.heading, self.cost = (np.empty(MAX_POSES) for _ in range(4))
+        self.parent, self.move, self.cell = (np.empty(MAX_POSES, np.intp) for _ in range(3))
+        self.x[0], self.y[0], self.heading[0] = start
+        self.cost[0], self.parent[0], self.move[0], self.cell[0] = 0.0, -1, -1, cell
+        self.count = 1
+
+    def add(self, x: Floats, y: Floats, heading: Floats, cost: Floats, parent: Ints, move: Ints, cell: Ints) -> Ints:
+        """Add poses, and return their numbers; those above MAX_POSES are left out."""
+        here = slice(self.count, min(self.count + len(x), MAX_POSES))
+        fit = here.stop - here.start
+        self.x[here], self.y[here], self.heading[here], self.cost[here] = x[:fit], y[:fit], heading[:fit], cost[:fit]
+        self.parent[here], self.move[here], self.cell[here] = parent[:fit], move[:fit], cell[:fit]
+        self.count = here.stop
+        return np.arange(here.start, here.stop)
+
+
+def find_plan(ground: Ground, goal: Place, tolerance: float) -> Plan | None:
+    """Return the cheapest plan from the robot's pose to a place; None where there is none.
+
+    Args:
+        ground: With the pose of the robot; the goal must be within its area.
+        goal: In odom.
+        tolerance: m from it where the plan may end.
+    """
+    search = _Search(ground, goal, tolerance)
+    last = search.run()
+    return None if last is None else search.plan(last)
+
+
+def turn_piece(ground: Ground, heading: float) -> PlanPiece:
+    """Return a turn on the spot from the robot's pose to a heading, the longer way round if the shorter is barred."""
+    x, y, start = ground.robot
+    short = float(wrapped(np.array([heading - start]))[0])
+    pieces = []
+    for turn in (short, short - copysign(2.0 * pi, short)):
+        parts = np.linspace(0.0, turn, max(2, ceil(abs(turn) / SPACING) + 1))
+        poses = np.stack((np.full(len(parts), x), np.full(len(parts), y), start + parts), axis=1)
+        weights = np.full(len(parts), TURN_COST * abs(turn) / len(parts))
+        pieces.append(PlanPiece(Motion.TURN, poses, weights, STOP_COST))
+    return min(pieces, key=lambda piece: Plan((piece,)).cost(ground))
+
+
+class _Search:
+    def __init__(self, ground: Ground, goal: Place, tolerance: float) -> None:
+        self._ground = ground
+        self._goal, self._tolerance = goal, max(tolerance, 0.75 * CELL)
+        flat = ground.flat()
+        self._area = flat.area
+        left = costs_to(flat, goal, tolerance) * flat.area.resolution
+        self._left = np.where(left < NO_WAY * flat.area.resolution, left, np.inf)
+        self._downhill = _downhill(self._left)
+        rows, columns = self._left.shape
+        self._best = np.full(rows * columns * HEADINGS, np.inf)
+        self._unit = 2.0 * pi / HEADINGS
+        x, y, heading = (np.array([each]) for each in ground.robot)
+        row, column, cell = self._cells(x, y, heading)
+        self._poses = _Poses(ground.robot, int(cell[0]))
+        self._best[cell] = 0.0
+        self._start = GREED * self._left[row, column]
+
+    def run(self) -> int | None:
+        """Return the number of the last pose of the cheapest plan; None where there is none."""
+        poses = self._poses
+        waiting, estimate = np.zeros(1, np.intp), self._start
+        while len(waiting) and poses.count < MAX_POSES and np.isfinite(estimate.min()):
+            is_next = estimate <= estimate.min() + STEP_COST
+            taken, waiting = waiting[is_next], waiting[~is_next]
+            at_goal = taken[self._is_goal(taken)]
+            if len(at_goal):
+                return int(at_goal[poses.cost[at_goal].argmin()])
+            taken = taken[poses.cost[taken] <= self._best[poses.cell[taken]]]
+            new, new_estimate = self._expanded(taken)
+            waiting = np.concatenate((waiting, new))
+            estimate = np.concatenate((estimate[~is_next], new_estimate))
+        return None
+
+    def _is_goal(self, numbers: Ints) -> Bools:
+        x, y = self._poses.x[numbers] - self._goal[0], self._poses.y[numbers] - self._goal[1]
+        return np.asarray(np.hypot(x, y) <= self._tolerance)
+
+    def _expanded(self, taken: Ints) -> tuple[Ints, Floats]:
+        """Add the poses that moves lead to, and return their numbers and the estimated costs of plans over them."""
+        poses, moves = self._poses, MOVES
+        x, y, heading = self._sampled(taken)
+        costs = self._ground.costs(x, y, heading)
+        spent = np.add.reduceat(costs * moves.weights, moves.starts, axis=1) + moves.fixed
+        is_free = np.maximum.reduceat(costs, moves.starts, axis=1) < BARRED
+        before = np.where(poses.move[taken] < 0, -1, moves.kinds[poses.move[taken]])[:, None]
+        spent = spent + np.where((before != moves.kinds) & (before >= 0), STOP_COST, 0.0)
+        total = (poses.cost[taken, None] + spent)[is_free]
+        of, move = np.nonzero(is_free)
+        end = moves.ends[move]
+        x, y, heading = x[of, end], y[of, end], heading[of, end]
+        row, column, cell = self._cells(x, y, heading)
+        left = self._left[row, column]
+        order = np.argsort(total, kind="stable")
+        order = order[(total < self._best[cell] - BETTER)[order] & np.isfinite(left[order])]
+        _, first = np.unique(cell[order], return_index=True)
+        chosen = order[np.sort(first)]
+        self._best[cell[chosen]] = total[chosen]
+        numbers = poses.add(
+            x[chosen], y[chosen], heading[chosen], total[chosen], taken[of[chosen]], move[chosen], cell[chosen]
+        )
+        bend = np.abs(wrapped(heading[chosen] - self._downhill[row[chosen], column[chosen]]))
+        estimate = total[chosen] + GREED * (left[chosen] + BEND_COST * np.nan_to_num(bend))
+        return numbers, estimate[: len(numbers)]
+
+    def _sampled(self, numbers: Ints) -> tuple[Floats, Floats, Floats]:
+        """Return the poses along all moves from some poses, each of shape (poses, samples)."""
+        poses, moves = self._poses, MOVES
+        heading = poses.heading[numbers][:, None]
+        c, s = np.cos(heading), np.sin(heading)
+        x = poses.x[numbers][:, None] + (c * moves.along - s * moves.aside)
+        y = poses.y[numbers][:, None] + (s * moves.along + c * moves.aside)
+        return x, y, heading + moves.turn
+
+    def _cells(self, x: Floats, y: Floats, heading: Floats) -> tuple[Ints, Ints, Ints]:
+        """Return row and column of places, limited to the area, and the number of the cell of poses."""
+        rows, columns = self._left.shape
+        row = np.clip((y - self._area.y) / self._area.resolution, 0, rows - 1).astype(np.intp)
+        column = np.clip((x - self._area.x) / self._area.resolution, 0, columns - 1).astype(np.intp)
+        sector = np.round((heading - self._ground.robot[2]) / self._unit).astype(np.intp) % HEADINGS
+        return row, column, (row * columns + column) * HEADINGS + sector
+
+    def plan(self, last: int) -> Plan:
+        """Return the plan to a pose."""
+        poses, numbers = self._poses, [last]
+        while poses.parent[numbers[-1]] >= 0:
+            numbers.append(int(poses.parent[numbers[-1]]))
+        numbers.reverse()
+        steps = [(parent, int(poses.move[number])) for parent, number in pairwise(numbers)]
+        pieces = tuple(
+            self._piece(motion, list(group)) for motion, group in groupby(steps, lambda step: MOVES.motions[step[1]])
+        )
+        return Plan(pieces or (PlanPiece(Motion.GO, np.array([self._ground.robot]), np.zeros(1), 0.0),))
+
+    def _piece(self, motion: Motion, steps: list[tuple[int, int]]) -> PlanPiece:
+        first = steps[0][0]
+        poses, weights = (
+            [np.array([[each[first] for each in (self._poses.x, self._poses.y, self._poses.heading)]])],
+            [np.zeros(1)],
+        )
+        for parent, move in steps:
+            samples = slice(int(MOVES.starts[move]), int(MOVES.ends[move]) + 1)
+            x, y, heading = (each[0, samples] for each in self._sampled(np.array([parent])))
+            poses.append(np.stack((x, y, heading), axis=1))
+            weights.append(MOVES.weights[samples])
+        fixed = STOP_COST + sum(float(MOVES.fixed[move]) for _, move in steps)
+        return PlanPiece(motion, np.concatenate(poses), np.concatenate(weights), fixed)
+
+
+def _downhill(left: Floats) -> Floats:
+    """Return the direction in which the cost that is left decreases in each cell, rad; NaN where that is not known."""
+    with np.errstate(invalid="ignore"):
+        up, right = np.gradient(left)
+        return np.asarray(np.where(np.isfinite(up) & np.isfinite(right), np.arctan2(-up, -right), np.nan))
+
+
+def wrapped(angles: Floats) -> Floats:
+    """Return angles in [-pi, pi)."""
+    return np.asarray((angles + pi) % (2.0 * pi) - pi)
+
+
+def length(plan: Plan) -> float:
+    """Return the length of a plan, m."""
+    return float(plan.lengths[-1])
