@@ -11,7 +11,7 @@ import numpy as np
 from apps.indoor_navigation.algorithms.outline import Outline
 from apps.indoor_navigation.algorithms.planning.area import Area
 from apps.indoor_navigation.algorithms.planning.terrain import distances
-from apps.indoor_navigation.data import Bools, Floats, Ints
+from apps.indoor_navigation.data import Bools, Floats
 
 DISC_RADIUS = 0.12  # m, of the discs along the edge
 OVERLAP = 0.012  # m that discs reach over the edge, so that they lack as little between each other
@@ -53,21 +53,28 @@ class Clearance:
         return np.asarray(np.minimum(room, self._farthest).reshape(np.shape(x)))
 
     def _at_cells(self, x: Floats, y: Floats) -> Floats:
-        columns, rows = ((x - self._x) / self._resolution).astype(np.intp), ((y - self._y) / self._resolution)
-        return self._looked_up(rows.astype(np.intp), columns)
+        column, row = (each.astype(np.intp) for each in self._cells(x, y, 0.0))
+        return np.asarray(self._map[row, column])
 
     def _between_cells(self, x: Floats, y: Floats) -> Floats:
         """Return the distances from obstacles, interpolated between the middles of cells."""
-        right, up = (x - self._x) / self._resolution - 0.5, (y - self._y) / self._resolution - 0.5
-        column, row = np.floor(right).astype(np.intp), np.floor(up).astype(np.intp)
+        right, up = self._cells(x, y, 0.5)
+        column, row = right.astype(np.intp), up.astype(np.intp)
         right, up = right - column, up - row
-        below = self._looked_up(row, column) * (1.0 - right) + self._looked_up(row, column + 1) * right
-        above = self._looked_up(row + 1, column) * (1.0 - right) + self._looked_up(row + 1, column + 1) * right
+        first, values, width = row * self._map.shape[1] + column, self._map.ravel(), self._map.shape[1]
+        below = values.take(first) * (1.0 - right) + values.take(first + 1, mode="clip") * right
+        first += width
+        above = values.take(first, mode="clip") * (1.0 - right) + values.take(first + 1, mode="clip") * right
         return np.asarray(below * (1.0 - up) + above * up)
 
-    def _looked_up(self, row: Ints, column: Ints) -> Floats:
+    def _cells(self, x: Floats, y: Floats, shift: float) -> tuple[Floats, Floats]:
+        """Return columns and rows of places, with their fractions, limited to the area."""
         height, width = self._map.shape
-        return np.asarray(self._map[np.clip(row, 0, height - 1), np.clip(column, 0, width - 1)])
+        right, up = (x - self._x) / self._resolution - shift, (y - self._y) / self._resolution - shift
+        for each, most in ((right, width - 1.0), (up, height - 1.0)):
+            np.maximum(each, 0.0, out=each)
+            np.minimum(each, most, out=each)
+        return right, up
 
 
 def _covering(outline: Outline) -> tuple[Floats, Floats, Floats]:

@@ -27,7 +27,7 @@ WORSE = 0.02  # m that the room near the start may be less than at the start
 
 
 class Ground(NamedTuple):
-    """floor: cost of a metre in each cell of the area, without obstacles. robot: its pose, from which it gets away."""
+    """floor: cost of a metre in each cell of the area, without obstacles. robot: its pose. room: m about it there."""
 
     area: Area
     floor: Floats
@@ -35,6 +35,7 @@ class Ground(NamedTuple):
     parameters: CostParameters
     outline: Outline
     robot: Pose
+    room: float
 
     @classmethod
     def of(
@@ -65,24 +66,25 @@ class Ground(NamedTuple):
         elif hope > 0.0:
             others = distances(area.occupied & ~standing, outline.width / 2.0, area.resolution)
             floor[others < outline.width / 2.0] += hope
-        return cls(area, floor, Clearance(area, standing, outline, parameters.comfort), parameters, outline, robot)
+        clearance = Clearance(area, standing, outline, parameters.comfort)
+        room = float(clearance.room(*(np.array([each]) for each in robot))[0])
+        return cls(area, floor, clearance, parameters, outline, robot, room)
 
     def costs(self, x: Floats, y: Floats, heading: Floats) -> Floats:
         """Return the cost of a metre at poses in odom, arrays of one shape; BARRED where the robot does not fit."""
         room = self.clearance.room(x, y, heading)
         costs = nearness(room, self.parameters, MAX_LACK * self.area.resolution)
-        here_x, here_y, here = (np.array([each]) for each in self.robot)
-        least = float(self.clearance.room(here_x, here_y, here)[0]) - WORSE
+        least = self.room - WORSE
         if least < 0.0:
-            is_start = (np.hypot(x - here_x, y - here_y) < START_RANGE) & (room >= least)
+            is_start = (np.hypot(x - self.robot[0], y - self.robot[1]) < START_RANGE) & (room >= least)
             costs[is_start] = np.minimum(costs[is_start], START_COST)
         return np.minimum(costs + self._floor(x, y), BARRED)
 
     def _floor(self, x: Floats, y: Floats) -> Floats:
         height, width = self.floor.shape
-        rows = np.clip((y - self.area.y) / self.area.resolution, 0, height - 1).astype(np.intp)
-        columns = np.clip((x - self.area.x) / self.area.resolution, 0, width - 1).astype(np.intp)
-        return self.floor[rows, columns]
+        rows = np.minimum(np.maximum((y - self.area.y) / self.area.resolution, 0.0), height - 1.0).astype(np.intp)
+        columns = np.minimum(np.maximum((x - self.area.x) / self.area.resolution, 0.0), width - 1.0).astype(np.intp)
+        return np.asarray(self.floor[rows, columns])
 
     def flat(self) -> Terrain:
         """Return the least cost that any heading has in the cells of a coarser grid."""

@@ -213,8 +213,9 @@ class _Search:
     def _cells(self, x: Floats, y: Floats, heading: Floats) -> tuple[Ints, Ints, Ints]:
         """Return row and column of places, limited to the area, and the number of the cell of poses."""
         rows, columns = self._left.shape
-        row = np.clip((y - self._area.y) / self._area.resolution, 0, rows - 1).astype(np.intp)
-        column = np.clip((x - self._area.x) / self._area.resolution, 0, columns - 1).astype(np.intp)
+        row, column = (y - self._area.y) / self._area.resolution, (x - self._area.x) / self._area.resolution
+        row = np.minimum(np.maximum(row, 0.0), rows - 1.0).astype(np.intp)
+        column = np.minimum(np.maximum(column, 0.0), columns - 1.0).astype(np.intp)
         sector = np.round((heading - self._ground.robot[2]) / self._unit).astype(np.intp) % HEADINGS
         return row, column, (row * columns + column) * HEADINGS + sector
 
