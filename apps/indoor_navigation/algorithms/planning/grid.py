@@ -18,8 +18,8 @@ import numpy as np
 
 from apps.indoor_navigation.algorithms.bodies import Bodies
 from apps.indoor_navigation.algorithms.perception import Perceived
-from apps.indoor_navigation.algorithms.planning.area import NEVER, PASSABLE, PASSED, Area, Singles
-from apps.indoor_navigation.algorithms.rays import Rays
+from apps.indoor_navigation.algorithms.planning.area import NEVER, OCCUPIED, PASSABLE, PASSED, Area, Singles
+from apps.indoor_navigation.algorithms.rays import HALF_CONE, Rays
 from apps.indoor_navigation.data import Bools, Floats, Ints, ObstRead, Place
 
 HIT = 2  # evidence that a reading adds to a cell that a ray hits; it adds PASSED where a ray passes
@@ -171,7 +171,8 @@ class Grid:
     def _hear(self, sonar: "_BelievedRays", watched: "_BelievedRays", perceived: Perceived) -> None:
         """Update what sonar hears and the laser sees through.
 
-        An echo comes from somewhere in a wide cone. Where another disc hears that a place is free, it is not there.
+        An echo comes from somewhere in a wide cone. Where another disc hears that a place is free, it is not there. And
+        it is explained by an obstacle of the grid in the cone, such as the frame of a door that the laser has seen.
 
         Args:
             sonar: All sonar rays.
@@ -189,6 +190,7 @@ class Grid:
         directions = np.arctan2(-watched.sines[hits], -watched.cosines[hits])
         apart = np.hypot(x[:, None] - bodies.x, y[:, None] - bodies.y) - bodies.radius
         is_there = (apart.min(axis=1, initial=np.inf) > BESIDE_BODY) & ~sonar.are_silent(x, y, directions)
+        is_there &= ~watched.are_explained(near)[hits]
         for each_x, each_y, direction in zip(x[is_there], y[is_there], directions[is_there], strict=True):
             row, column = self.area.cell(each_x, each_y)
             self.area.echo[row, column] = min(self.area.echo[row, column] + ECHO, MAX_ECHO)
@@ -248,6 +250,16 @@ class _BelievedRays(NamedTuple):
             np.minimum(lengths, reach),
             rays.hits[sound] & (lengths <= reach),
         )
+
+    def are_explained(self, area: Area) -> Bools:
+        """Return which sonar rays end as far away as an obstacle that the laser has seen somewhere in the cone."""
+        rows, columns = np.nonzero(area.evidence >= OCCUPIED)
+        x, y = area.x + (columns + 0.5) * area.resolution, area.y + (rows + 0.5) * area.resolution
+        from_x, from_y = x - self.origin_x[:, None], y - self.origin_y[:, None]
+        along = self.cosines[:, None] * from_x + self.sines[:, None] * from_y
+        away = np.hypot(from_x, from_y)
+        is_in_cone = along > cos(HALF_CONE) * away
+        return np.asarray((is_in_cone & (np.abs(away - self.lengths[:, None]) < ECHO_DEPTH)).any(axis=1))
 
     def are_silent(self, x: Floats, y: Floats, heard_from: Floats | Singles) -> Bools:
         """Return at which places a disc hears nothing that listens from where they were heard.
