@@ -119,7 +119,9 @@ def _draw_ways(axes: "Axes", shot: Snapshot) -> None:
     _line(axes, planning.get("trail", ()), color=TRAVELLED, linewidth=2.0, label="path travelled")
     route = planning.get("route") or ()
     _line(axes, route, color=PLANNED, linewidth=1.6, linestyle="--", label="plan")
-    _line(axes, route[1:], color=PLANNED, linestyle="", marker="o", markersize=4, label="sub-targets")
+    _line(
+        axes, planning.get("ends") or (), color=PLANNED, linestyle="", marker="o", markersize=4, label="ends of pieces"
+    )
     if target := planning.get("sub_target"):
         axes.plot(*target, "o", color=PLANNED, markersize=10, markerfacecolor="none", label="sub-target now")
     goal = planning.get("goal") or {}

@@ -17,8 +17,8 @@ examples:
   acromovi navigate picture happy now.svg
   acromovi navigate picture happy now.png
 
-The picture shows the grid, the doors with their confidence, the plan with its sub-targets, the path travelled, the
-goal, and the motion commands of all components with the fused one. After a mission it shows the last one.
+The picture shows the grid, the doors with their confidence, the plan with the ends of its pieces, the path travelled,
+the goal, and the motion commands of all components with the fused one. After a mission it shows the last one.
 
 Exit codes: 0 done, 1 the navigation does not run, or the file cannot be written, 2 wrong usage.
 """

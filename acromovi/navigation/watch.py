@@ -29,7 +29,7 @@ EPILOG = """\
 example:
   acromovi navigate watch happy
 
-In the map █ is an obstacle, · free floor, an arrow the robot, + a sub-target, D a door, X the goal. Ctrl-C ends the
+In the map █ is an obstacle, · free floor, an arrow the robot, + the plan, D a door, X the goal. Ctrl-C ends the
 display; the mission continues.
 
 Exit codes: 1 the navigation does not run, or no terminal (the reason is on stderr), 130 stopped by Ctrl-C.

@@ -1,8 +1,8 @@
 """When a component is awake: while it has work, and while a program subscribes to the data that it makes on demand.
 
 Readings are pulled: a component subscribes to its inputs only while it is awake, and this subscription wakes the
-component that publishes them, down to the gateway. Orders are pushed: a goal, a sub-target, a command or a query wakes
-its receiver. A component that sleeps waits for these alone, and has no timer that expires.
+component that publishes them, down to the gateway. Orders are pushed: a goal, a piece of a plan, a command or a query
+wakes its receiver. A component that sleeps waits for these alone, and has no timer that expires.
 """
 
 import asyncio

@@ -1,4 +1,4 @@
-"""The component that carries out missions: it sends sub-targets to goto and orienting, and messages to people."""
+"""The component that carries out missions: it sends pieces of plans to goto and orienting, and messages to people."""
 
 import asyncio
 from dataclasses import asdict, dataclass, replace

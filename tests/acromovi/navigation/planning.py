@@ -23,6 +23,7 @@ PICTURE: dict[str, Any] = {
     ],
     "ways": [{"from": 0, "to": "place", "points": [[0.0, 0.0], [2.0, 0.3]]}],
     "route": [[1.0, 0.0], [1.5, 0.2], [2.5, 0.4], [3.0, 0.5]],
+    "ends": [[1.5, 0.2], [3.0, 0.5]],
 }
 COMMANDS: dict[str, Any] = {
     "sources": {

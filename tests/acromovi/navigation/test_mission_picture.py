@@ -20,7 +20,7 @@ def test_a_picture_has_all_that_there_is_to_see(tmp_path: Path) -> None:
     drawn = file.read_text()
     for what in (
         "happy, m1: going (a way of 3.0 m), 1.0 m so far",
-        *("path travelled", "plan", "sub-targets", "sub-target now", "goal", "doors, with confidence", "p2dx"),
+        *("path travelled", "plan", "ends of pieces", "sub-target now", "goal", "doors, with confidence", "p2dx"),
         *("obstacles seen", "seen to be free", "not seen", "x in odom, m", "y in odom, m"),
         *("to the right, m", "ahead, m"),
         *("0.90, passed 2", "ways remembered", "goto: 0.50 m/s, +0.20 rad/s", "orienting: nothing"),
@@ -43,7 +43,13 @@ def test_the_same_mission_is_drawn_to_the_same_bytes(tmp_path: Path) -> None:
         {},
         {"mission": None, "state": "idle", "pose": None, "goal": None, "grid": None},
         {**PICTURE, "grid": {"x": 0.0, "y": 0.0, "resolution": 0.1, "rows": 0, "columns": 0, "runs": []}},
-        {**PICTURE, "goal": {"mission": "m1", "x": None, "y": None, "heading": None}, "route": [], "sub_target": None},
+        {
+            **PICTURE,
+            "goal": {"mission": "m1", "x": None, "y": None, "heading": None},
+            "route": [],
+            "ends": [],
+            "sub_target": None,
+        },
     ],
 )
 def test_little_is_drawn_as_well_as_much(planning: dict[str, Any], tmp_path: Path) -> None:

@@ -50,7 +50,7 @@ class Driving:
 
     def _mind_motion(self, now: float) -> None:
         """Take the state of the present piece."""
-        motion, state, door = self._situation.guide.piece.motion, self._situation.state, None
+        motion, state = self._situation.guide.piece.motion, self._situation.state
         if motion is Motion.TURN:
             if state is not MissionState.TURNING:
                 self._machine.happens(MissionEvent.HAS_TO_TURN, now, "the way leads elsewhere")

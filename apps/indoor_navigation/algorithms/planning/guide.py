@@ -98,6 +98,16 @@ class Guide:
         return (self._memory.place, *((x, y) for x, y, _ in self._plan.poses.tolist()))
 
     @property
+    def ends(self) -> Way:
+        """The ends of the pieces of the way."""
+        return tuple(piece.end[:2] for piece in self._plan.pieces) if self._plan is not None else ()
+
+    @property
+    def sub_target(self) -> Place | None:
+        """The end of the path that the robot follows at present; None where there is no way."""
+        return self.path[-1] if self._plan is not None else None
+
+    @property
     def path(self) -> Way:
         """Points of the present piece, up to some m ahead."""
         return tuple((x, y) for x, y, _ in self.piece.poses[:PATH_POSES].tolist())

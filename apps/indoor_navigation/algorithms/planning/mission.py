@@ -104,7 +104,7 @@ class Navigator:
     def status(self) -> dict[str, Any]:
         """Return the state of the mission as JSON. messages: number of notes. since: s of the clock of the steps."""
         situation, pose = self._situation, self.memory.pose
-        points = situation.guide.points if self.is_active else ()
+        target = situation.guide.sub_target if self.is_active else None
         return {
             "mission": situation.goal.mission,
             "state": str(self.state),
@@ -112,12 +112,14 @@ class Navigator:
             "messages": situation.noted,
             "since": situation.machine.since,
             "goal": situation.goal.to_json(),
-            "sub_target": list(points[1]) if points else None,
+            "sub_target": list(target) if target is not None else None,
             "travelled": self.memory.travelled,
             "pose": list(pose) if pose is not None else None,
         }
 
     def picture(self) -> dict[str, Any]:
-        """Return the data of a picture as JSON. route: from the robot over the sub-targets."""
-        points = self._situation.guide.points if self.is_active else ()
-        return {**self.status(), **self.memory.picture(), "route": [list(point) for point in points]}
+        """Return the data of a picture as JSON. route: points from the robot on. ends: of the pieces."""
+        guide = self._situation.guide
+        points, ends = (guide.points, guide.ends) if self.is_active else ((), ())
+        route = {"route": [list(point) for point in points], "ends": [list(end) for end in ends]}
+        return {**self.status(), **self.memory.picture(), **route}

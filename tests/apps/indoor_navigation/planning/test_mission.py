@@ -346,7 +346,8 @@ def test_a_picture_has_all_that_is_drawn() -> None:
     robot.run(15.0)
     picture = robot.navigator.picture()
     assert len(picture["route"]) >= 2
-    assert picture["sub_target"] == picture["route"][1]
+    assert picture["sub_target"] in picture["route"]
+    assert picture["ends"][-1] == picture["route"][-1]
     assert picture["grid"]["rows"] > 40
     assert picture["doors"][0]["confidence"] == pytest.approx(0.9)
     assert len(picture["trail"]) > 20
