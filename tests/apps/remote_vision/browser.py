@@ -99,11 +99,17 @@ class Viewer:
         self.page.get_by_role("button", name=name, exact=True).click()
 
     def take_control(self) -> None:
-        """Take control of the head, unless this page has it."""
-        take = self.page.get_by_role("button", name="Take control", exact=True)
-        if take.count():
-            take.click()
-        self.sees("You steer.")
+        """Take control of the head, unless this page has it; again, while another page is about to release it."""
+
+        def steers() -> bool:
+            if self.page.get_by_text("You steer.").count():
+                return True
+            take = self.page.get_by_role("button", name="Take control", exact=True)
+            if take.count():
+                take.click()
+            return False
+
+        self.wait(steers, "the page steers")
 
     def key(self, name: str) -> None:
         """Press a key on the image."""
