@@ -21,9 +21,8 @@ from bus.aio import hand_over
 from bus.threads import compiled_at
 
 LONGEST_TURN = 0.5  # s that one step of an agent may take
-LOOK_EVERY = 0.5  # so a turn of twice `LONGEST_TURN` is always found
+LOOK_EVERY = 0.25  # s
 GRACE = 0.05  # s for a loop that was frozen together with its watchdog
-_ITERATION = asyncio.BaseEventLoop._run_once.__code__  # type: ignore[attr-defined]  # calls `select`
 _LIBRARIES = (sysconfig.get_paths()["stdlib"], "<frozen")
 
 
@@ -53,21 +52,12 @@ class LoopWatchdog(Subscription):
 
     def _watch(self) -> None:
         while not self._has_ended.wait(LOOK_EVERY) and not self._loop.is_closed():
-            if self._is_idle():
-                continue
             turned = threading.Event()
             hand_over(self._loop, turned.set)
             if not self._turns(turned) and self._loop.is_running():
                 self._tell()
                 while not turned.wait(LOOK_EVERY) and self._loop.is_running() and not self._has_ended.is_set():
                     pass
-
-    def _is_idle(self) -> bool:
-        """Return whether the loop waits for something to do; to wake it for an answer would cost far more."""
-        frame = sys._current_frames().get(self._loop_thread)
-        if frame is None or frame.f_back is None:
-            return False
-        return frame.f_code.co_name == "select" and frame.f_back.f_code is _ITERATION
 
     def _turns(self, turned: threading.Event) -> bool:
         """Return whether the loop runs in time; the time for compiling message types, each once, does not count."""

@@ -189,17 +189,23 @@ def test_one_viewer_steers_and_another_sees_who(
 ) -> None:
     other = Viewer(browser, served[1])
     viewer.until_drawn(count=1)
-    viewer.take_control()
-    other.sees("steers.")
-    assert other.page.get_by_role("button", name="Take control", exact=True).is_disabled()
+
+    def is_seen() -> bool:
+        viewer.take_control()  # again: a browser that a busy machine held up for 3 s has lost it
+        take = other.page.get_by_role("button", name="Take control", exact=True)
+        return bool(other.page.get_by_text("steers.").count()) and take.is_disabled()
+
+    viewer.wait(is_seen, "the other page shows who steers")
 
     def click_at_the_right_edge() -> None:
+        viewer.take_control()
         look_straight_ahead(team, viewer)
         viewer.page.mouse.click(*viewer.place(0.99, 0.5))
 
     is_centred = "what was at the right edge is centred"
     turn(team, viewer, click_at_the_right_edge, lambda pan: abs(pan + 0.41) < 0.03, is_centred)
     look_straight_ahead(team, viewer)
+    viewer.take_control()
     viewer.press("Release control")
     other.sees("Nobody steers from here.")
     other.close()
