@@ -15,7 +15,7 @@ import numpy as np
 
 from apps.indoor_navigation.algorithms.braking import safe_speed
 from apps.indoor_navigation.algorithms.outline import Outline, runs_into
-from apps.indoor_navigation.algorithms.rays import in_robot
+from apps.indoor_navigation.algorithms.rays import in_odom, in_robot
 from apps.indoor_navigation.algorithms.smoothing import SmoothedSpeed, SmoothingParameters
 from apps.indoor_navigation.data import Floats, Pose, RobotOdometry, WorldCoord
 
@@ -106,7 +106,7 @@ class PathTracking:
         parameters = self._parameters
         soon = _soon(odometry, parameters.reaction)
         pose = odometry.x, odometry.y, odometry.heading
-        here = _placed(pose, soon)
+        here = in_odom(pose, *soon)
         path = _Path.of(target, pose, here)
         ways = _Ways(parameters, self._outline, path, in_robot(soon, *self._outline.outside(places)))
         chosen = ways.best(self._lane)
@@ -118,12 +118,6 @@ def _soon(odometry: RobotOdometry, reaction: float) -> Pose:
     """Return the pose at which a command takes effect, in the present frame of the robot."""
     turn, way = odometry.angular * reaction, odometry.linear * reaction
     return way * cos(turn / 2.0), way * sin(turn / 2.0), turn
-
-
-def _placed(frame: Pose, pose: Pose) -> Pose:
-    """Return a pose that is given in a frame in the frame of that one."""
-    c, s = cos(frame[2]), sin(frame[2])
-    return frame[0] + c * pose[0] - s * pose[1], frame[1] + s * pose[0] + c * pose[1], frame[2] + pose[2]
 
 
 @dataclass(frozen=True, slots=True)

@@ -256,8 +256,3 @@ def _downhill(left: Floats) -> Floats:
 def wrapped(angles: Floats) -> Floats:
     """Return angles in [-pi, pi)."""
     return np.asarray((angles + pi) % (2.0 * pi) - pi)
-
-
-def length(plan: Plan) -> float:
-    """Return the length of a plan, m."""
-    return float(plan.lengths[-1])
