@@ -30,11 +30,12 @@ class ForkedProcess:
 
 
 class ForkServer:
-    """A server and its copies, in one event loop."""
+    """A server and its copies, in one event loop. pid: its number."""
 
     def __init__(self, link: socket.socket, process: asyncio.subprocess.Process) -> None:
         self._link = link
         self._process = process
+        self.pid = process.pid
         self._loop = asyncio.get_running_loop()
         self._starting: deque[asyncio.Future[int]] = deque()
         self._running: dict[int, ForkedProcess] = {}

@@ -23,6 +23,7 @@ if TYPE_CHECKING:  # it loads OpenCV
     from vision.camera_model import PinholeModel
 
 _VIEW = 0.8  # rad, for steps of a camera whose field of view is not known
+_TAKE, _RELEASE = "Take control", "Release control"
 _BUTTONS = (
     ("", "", ""),
     ("ArrowUp", "arrow_upward", "Look up"),
@@ -56,7 +57,7 @@ class HeadPanel:
         with ui.element("div").classes("rv-panel"):
             with ui.row().classes("rv-row"):
                 ui.label("Camera head").classes("rv-heading")
-                self._control = ui.button("Take control", on_click=self._toggle).props("dense no-caps")
+                self._control = ui.button(_TAKE, on_click=self._toggle).props("dense no-caps")
             self._who = ui.label().props('role="status"')
             self._buttons: list[ui.button] = []
             with ui.element("div").classes("rv-head"):
@@ -84,7 +85,7 @@ class HeadPanel:
         holder = self._program.head(robot).holder
         mine = holder is self._viewing
         self._control.set_enabled(holder is None or mine)
-        self._control.text = "Release control" if mine else "Take control"
+        self._control.text = _RELEASE if mine else _TAKE
         self._who.text = "You steer." if mine else f"{holder.name} steers." if holder else "Nobody steers from here."
         place = self._program.known_place(robot)
         self._where.text = str(place) if place else ""
@@ -109,9 +110,11 @@ class HeadPanel:
             button.set_enabled(on)
 
     async def _toggle(self) -> None:
+        """Do what the button says: pressed twice, "Take control" does not release what it has just taken."""
         head = self._program.head(self._viewing.robot)
-        if head.holder is self._viewing:
-            await head.release()
+        if self._control.text == _RELEASE:
+            if head.holder is self._viewing:
+                await head.release()
         else:
             await head.take(self._viewing)
             await self._program.head_place(self._viewing.robot)

@@ -20,10 +20,8 @@ def _play(part: Callable[[ForkServer, int], Awaitable[None]]) -> None:
     async def play() -> None:
         async with waiting(TIME):
             forks = await ForkServer.open(0)
-            children = Path(f"/proc/{os.getpid()}/task/{os.getpid()}/children").read_text(encoding="ascii").split()
-            server = next(int(pid) for pid in children if "fork_server" in _command(int(pid)))
             try:
-                await part(forks, server)
+                await part(forks, forks.pid)
             finally:
                 await forks.close()
 

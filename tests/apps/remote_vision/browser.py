@@ -6,12 +6,13 @@ import signal
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
 import pytest
 from playwright.sync_api import Browser, Page, sync_playwright
+from playwright.sync_api import TimeoutError as NotFound
 
 from tests.waiting import patience, wait_until
 
@@ -29,6 +30,8 @@ WATCH = """() => {
 """Notes each image that is drawn: its place, number, stamp, and when it was drawn, s since 1970."""
 SMALL = {"width": 760, "height": 560}
 """Of the window, px: what is drawn is drawn by the processor."""
+SHOWN = 0.5
+"""Time to press a button that may no longer be there, s."""
 ENOUGH = "([since, place, count]) => window.drawn.slice(since).filter((each) => each.place === place).length >= count"
 
 
@@ -104,12 +107,24 @@ class Viewer:
         def steers() -> bool:
             if self.page.get_by_text("You steer.").count():
                 return True
-            take = self.page.get_by_role("button", name="Take control", exact=True)
-            if take.count():
-                take.click()
+            self._press_if_shown("Take control")
             return False
 
         self.wait(steers, "the page steers")
+
+    def release_control(self) -> None:
+        """Release control of the head, unless this page has lost it."""
+
+        def does_not_steer() -> bool:
+            self._press_if_shown("Release control")
+            return not self.page.get_by_text("You steer.").count()
+
+        self.wait(does_not_steer, "the page does not steer")
+
+    def _press_if_shown(self, name: str) -> None:
+        """Press a button whose name may change at any moment."""
+        with suppress(NotFound):
+            self.page.get_by_role("button", name=name, exact=True).click(timeout=SHOWN * 1e3)
 
     def key(self, name: str) -> None:
         """Press a key on the image."""

@@ -205,8 +205,7 @@ def test_one_viewer_steers_and_another_sees_who(
     is_centred = "what was at the right edge is centred"
     turn(team, viewer, click_at_the_right_edge, lambda pan: abs(pan + 0.41) < 0.03, is_centred)
     look_straight_ahead(team, viewer)
-    viewer.take_control()
-    viewer.press("Release control")
+    viewer.release_control()
     other.sees("Nobody steers from here.")
     other.close()
 
