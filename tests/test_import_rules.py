@@ -15,12 +15,25 @@ BELOW: dict[str, set[str]] = {
     "configs": set(),
     "cameras": {"configs"},
     "vision": {"configs"},
+    "maps": {"geometry", "configs"},
     "bus": {"geometry", "configs"},
     "p2os_emu": {"p2os", "geometry", "configs"},
     "gateway": {"p2os", "bus", "cameras", "geometry", "configs"},
-    "agents": {"bus", "cameras", "vision", "geometry", "configs"},
-    "apps": {"agents", "bus", "vision", "geometry", "configs"},
-    "acromovi": {"p2os", "geometry", "configs", "cameras", "vision", "bus", "p2os_emu", "gateway", "agents", "apps"},
+    "agents": {"bus", "cameras", "vision", "maps", "geometry", "configs"},
+    "apps": {"agents", "bus", "vision", "maps", "geometry", "configs"},
+    "acromovi": {
+        "p2os",
+        "geometry",
+        "configs",
+        "cameras",
+        "vision",
+        "maps",
+        "bus",
+        "p2os_emu",
+        "gateway",
+        "agents",
+        "apps",
+    },
     "pty_tests": set(),  # it must not share a mistake with what it judges
 }
 
@@ -45,6 +58,7 @@ CLOCKS_AND_PORTS = {
 BYTES_AND_TIME_COME_FROM_THE_CALLER = (
     "p2os",
     "vision",
+    "maps",
     "p2os_emu/microcontroller",
     "p2os_emu/accessories",
     "gateway/driver.py",

@@ -6,10 +6,11 @@ from pathlib import Path
 
 import pytest
 
+from tools.structure import PACKAGES as TOP_PACKAGES
+
 ROOT = Path(__file__).resolve().parents[1]
-ROOMS = ("p2os", "geometry", "configs", "cameras", "vision", "bus", "p2os_emu", "gateway", "agents", "apps", "acromovi")
 PACKAGES = sorted(
-    ".".join(init.parent.relative_to(ROOT).parts) for room in ROOMS for init in (ROOT / room).rglob("__init__.py")
+    ".".join(init.parent.relative_to(ROOT).parts) for top in TOP_PACKAGES for init in (ROOT / top).rglob("__init__.py")
 )
 
 

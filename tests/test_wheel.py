@@ -19,6 +19,7 @@ PACKAGES = {
     "configs",
     "gateway",
     "geometry",
+    "maps",
     "p2os",
     "p2os_emu",
     "vision",

@@ -18,6 +18,7 @@ PACKAGES = (
     "configs",
     "cameras",
     "vision",
+    "maps",
     "bus",
     "p2os_emu",
     "gateway",
