@@ -15,6 +15,7 @@ FORMATION = "tests/apps/formation/test_on_a_team.py, with two robots"
 FOLLOWING = "tests/apps/robot_following/test_on_a_team.py, with two robots"
 OPTICAL_FLOW = "tests/apps/optical_flow/test_on_a_team.py"
 CALIBRATION = "tests/acromovi/test_camera.py, on drawn chessboards"
+DOCKING = "tests/apps/docking/test_on_a_team.py"
 FETCH = "tests/apps/fetch/test_on_a_team.py"
 ELSEWHERE = {
     "p2os-emu --robot powerbot --world hall:7": "tests/p2os_emu/world/floors",
@@ -54,6 +55,8 @@ ELSEWHERE = {
     "acromovi run fetch robot=bart colour=red place=[0.5,0.6]": FETCH,
     "acromovi promote fetch robot=bart colour=red place=[0.5,0.6]": FETCH,
     "acromovi ask fetch@apps status": FETCH,
+    "acromovi up charge.toml": DOCKING,
+    "acromovi run docking robot=max dock=[1.5,0,0]": DOCKING,
     "acromovi teleop happy": "tests/acromovi/test_teleop.py",
     "acromovi container --services acromovi": IN_TERMINALS,
     "acromovi wire /dev/ttyUSB0 --listen /tmp/tapped": "tests/acromovi/test_wire.py",

@@ -1,5 +1,7 @@
 """An application before it runs: a file, or a module of the package `apps`, with a function `main(team)`.
 
+The module of an application with several modules is `application` in its folder.
+
     from agents import Team, request
 
     def main(team: Team, speed: float = 0.2):
@@ -55,7 +57,8 @@ class RunningApplication:
         """Load an application.
 
         Args:
-            name: A file that ends in `.py`, or a name: of a file in one of the folders, or of a module in `apps`.
+            name: A file that ends in `.py`, or a name: of a file in one of the folders, or of a module or a folder in
+                `apps`.
             folders: Where to look first for a name.
         Raises:
             ProgramNotValid: There is none, or it cannot be loaded.
@@ -64,7 +67,7 @@ class RunningApplication:
         file = next((place for place in places if place.is_file()), None)
         if file is None and (name.endswith(".py") or name not in _names_in_package()):
             raise ProgramNotValid(f"there is no application {name!r}{_advice(name, folders)}")
-        module = _load_file(file) if file is not None else _load_module(f"{PACKAGE}.{name}")
+        module = _load_file(file) if file is not None else _load_module(_module_of(name))
         main = getattr(module, "main", None)
         if not callable(main) or not inspect.signature(main).parameters:
             raise ProgramNotValid(f"{file or name} has no function main(team); an application begins there")
@@ -82,10 +85,9 @@ class RunningApplication:
 
     @property
     def functions(self) -> list[Callable[..., Any]]:
-        """The functions that the file itself defines; of a package, those that its own modules define as well."""
+        """The functions that the module itself defines."""
         found = [value for _, value in inspect.getmembers(self.module, inspect.isfunction)]
-        own = self.module.__name__
-        return [value for value in found if f"{value.__module__}.".startswith(f"{own}.")]
+        return [value for value in found if value.__module__ == self.module.__name__]
 
     def check(self, arguments: Mapping[str, Any]) -> None:
         """Check that `main` takes these arguments beside the team.
@@ -143,6 +145,12 @@ def _load_module(name: str) -> ModuleType:
         return importlib.import_module(name)
     except Exception as err:
         raise ProgramNotValid(f"the module {name} cannot be loaded: {in_words(err)}") from err
+
+
+def _module_of(name: str) -> str:
+    """Return the module of an application in the package."""
+    folder = any(Path(place, name, "application.py").is_file() for place in importlib.import_module(PACKAGE).__path__)
+    return f"{PACKAGE}.{name}.application" if folder else f"{PACKAGE}.{name}"
 
 
 def _names_in_package() -> list[str]:

@@ -8,7 +8,3 @@ acromovi ask fetch@apps status
 the camera sees (`sight`, `objects`), ways over the floor (`floor`) and what to do next (`fetcher`). `settings.toml` has
 all settings. docs/fetch.md describes them.
 """
-
-from apps.fetch.application import SERVICES, main, status
-
-__all__ = ["SERVICES", "main", "status"]

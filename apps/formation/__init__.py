@@ -7,7 +7,3 @@ acromovi ask formation@apps shape shape=line
 `application` runs it on a team; `controller` is the algorithm, without bus and clock; `settings.toml` has all settings.
 docs/formation.md describes them.
 """
-
-from apps.formation.application import SERVICES, change_shape, main, status
-
-__all__ = ["SERVICES", "change_shape", "main", "status"]

@@ -8,7 +8,3 @@ acromovi ask optical_flow@apps status
 `application` runs it on a team; `wanderer` decides, without bus and clock; `settings.toml` has all settings.
 docs/optical-flow.md describes them.
 """
-
-from apps.optical_flow.application import SERVICES, main, status
-
-__all__ = ["SERVICES", "main", "status"]

@@ -9,7 +9,3 @@ acromovi ask robot_following@apps status
 leader's motion from sightings (`sight`, `leader`), a cubic Bézier curve to it (`curve`), the speed that keeps the gap
 (`follower`), and where the camera looks (`gaze`). `settings.toml` has all settings. docs/following.md describes them.
 """
-
-from apps.robot_following.application import SERVICES, main, status
-
-__all__ = ["SERVICES", "main", "status"]

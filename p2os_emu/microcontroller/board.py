@@ -260,7 +260,7 @@ class Board:
     def consume(self, state: BodyState, dt: float) -> None:
         """Once a cycle of `dt`, s: draw from the battery or charge it, and read the compass."""
         charger = self.charger
-        power_came = charger.advance(dt, self.panel.charger_plugged, self.panel.docked)
+        power_came = charger.advance(dt, self.panel.charger_plugged, self.panel.docked or state.docked)
         if power_came and charger.docking == DockMode.STOP_AT_POWER:
             self.motion.stop()
         self.battery.advance(dt, (state.left_load + state.right_load) / 2, charger.power_good)

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geometry import Cairn, MapFile, Pose2D, Segment
+from p2os_emu.world.docks import Dock
 from p2os_emu.world.movable import Movable, Shape
 from p2os_emu.world.spec import WALL_HEIGHT, Block, WallEntry, WorldSpec
 
@@ -26,7 +27,9 @@ MOST_SAMPLES = 500_000
 """Points that lines which are too many are cut into."""
 GOAL = "Goal"
 """Kind of places where robots are sent; its name is the place's."""
-STARTS = ("RobotHome", "Dock", GOAL)
+DOCK = "Dock"
+"""Kind of places where robots are charged; the pose is that of a robot that stands there."""
+STARTS = ("RobotHome", DOCK, GOAL)
 """Kinds of places where robots may begin, best first."""
 REFLECTOR = "Reflector"
 BOXES = ("Sim.BoxObstacle", "BoxObstacle")
@@ -37,7 +40,10 @@ BOX_FRICTION = 0.3
 
 
 def world_of(file: MapFile, name: str) -> WorldSpec:
-    """Make a world: robots start at RobotHome, else at a dock or a goal, else at the origin; goals are places."""
+    """Make a world: robots start at RobotHome, else at a dock or a goal, else at the origin; goals are places.
+
+    Robots are charged at the docks of the map, which has no stations to be seen there.
+    """
     lines = [line for line in file.lines if line.length > 0.0]
     walls, note = _walls(lines, file)
     walls += [
@@ -55,6 +61,7 @@ def world_of(file: MapFile, name: str) -> WorldSpec:
         objects=tuple(_boxes(file)),
         places={cairn.name: (cairn.pose.x, cairn.pose.y) for cairn in file.places(GOAL) if cairn.name},
         note=note,
+        docks=tuple(Dock(cairn.name or "dock", cairn.pose) for cairn in file.places(DOCK)),
     )
 
 

@@ -16,6 +16,7 @@ from p2os_emu.gripper_model import gripper_of
 from p2os_emu.world.arm import JointedArm, arm_links
 from p2os_emu.world.chassis import Chassis
 from p2os_emu.world.collision import HULL, WHEELS, build_robot, mass_position, upright
+from p2os_emu.world.docks import Dock
 from p2os_emu.world.engine import PhysicsClient, engine
 from p2os_emu.world.gripper import RobotGripper, gripper_links
 from p2os_emu.world.infrared import InfraredRays, sensors_of
@@ -65,6 +66,7 @@ class RobotBody:
         name: str,
         scene: PlanarScene,
         rng: np.random.Generator | None,
+        docks: Sequence[Dock],
     ) -> None:
         self._rng = rng
         self._objects = objects
@@ -86,7 +88,11 @@ class RobotBody:
         ledge = load(LedgeModel, "accessories", "ledge") if fit.has("ledge") else None
         self._ledges = Ledges(client, self.body_id, drops, chassis.front, ledge) if drops else None
         self._magnets = magnets if fit.has("compass") else ()
+        self._docks = docks
         self._turns_are_felt = fit.has("gyro") or fit.has("compass")
+        self._looks_around = bool(
+            self._turns_are_felt or self._infrared is not None or self._ledges is not None or self._docks
+        )
         self._client = client
         self._floor_id = floor_id
         self._sonar = sonar
@@ -241,7 +247,7 @@ class RobotBody:
             front,
             rear,
         )
-        if self._turns_are_felt or self._infrared is not None or self._ledges is not None:
+        if self._looks_around:
             self._look_around(self.pose)
 
     def _look_around(self, pose: Pose2D) -> None:
@@ -257,6 +263,8 @@ class RobotBody:
             self._ledges.follow(pose)
             far, near = self._ledges.sensed(pose)
             self._state = self._state._replace(far_ledge=far, near_ledge=near)
+        if self._docks:
+            self._state = self._state._replace(docked=any(dock.reaches(pose) for dock in self._docks))
 
     def _joints(self) -> Sequence[tuple[float, float, Any, float]]:
         """Angle (rad), speed (rad/s), forces and motor torque (N m) of each wheel, left first."""

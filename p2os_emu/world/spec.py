@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 
 from geometry import Point, Polygon, Pose2D, Segment
 from p2os_emu.world.colours import check_colour
+from p2os_emu.world.docks import Dock
 from p2os_emu.world.floor import Floor
 from p2os_emu.world.light import Light
 from p2os_emu.world.magnets import Magnet
@@ -71,6 +72,7 @@ class WorldSpec:
     places: named points, m, for those who send robots somewhere. people: who walks about.
     moving_doors: leaves that open and shut in gaps of walls.
     textures: of walls and furniture. light: how it changes; None where it never does.
+    docks: where robots are charged.
     note: how it differs from its file, a sentence for people; empty where it does not.
     """
 
@@ -90,6 +92,7 @@ class WorldSpec:
     note: str = ""
     textures: Textures = field(default_factory=Textures)
     light: Light | None = None
+    docks: tuple[Dock, ...] = ()
 
     @property
     def middle(self) -> tuple[float, float, float]:

@@ -160,6 +160,7 @@ class World:
             name,
             self._scene,
             None if random is None else np.random.default_rng(Random(f"{self._seed} {name} scan").getrandbits(64)),
+            self.spec.docks,
         )
         if fit.has("arm"):
             solve_chains(self._client)

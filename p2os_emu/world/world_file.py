@@ -5,8 +5,9 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Protocol, TypeVar
 
-from geometry import Pose2D
+from geometry import Pose2D, wrap_angle
 from p2os_emu.world.colours import check_colour
+from p2os_emu.world.docks import Dock
 from p2os_emu.world.errors import WorldError
 from p2os_emu.world.floor import Floor
 from p2os_emu.world.light import Light
@@ -19,6 +20,8 @@ from p2os_emu.world.tables import TableEntry
 from p2os_emu.world.textures import Textures
 
 _FURNITURE_COLOUR = "brown"
+_STATION_SIZE = 0.2, 0.4, 0.4
+"""Length, width and height of the station at a dock, m; assumed."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,6 +74,29 @@ class _DropEntry:
 
 
 @dataclass(frozen=True, slots=True)
+class _DockEntry:
+    """A charging dock: pose of a robot that is charged, and how far ahead of its axle the station stands."""
+
+    at_m: tuple[float, float]
+    heading_deg: float = 0.0
+    name: str = "dock"
+    station_m: float = 0.45
+
+    @property
+    def dock(self) -> Dock:
+        """The dock in SI."""
+        return Dock(self.name, Pose2D(*self.at_m, wrap_angle(math.radians(self.heading_deg))))
+
+    def station(self) -> Block:
+        """The box in front of a robot that is charged."""
+        if not 0.0 < self.station_m < math.inf:
+            raise ValueError(f"station_m must be above 0 m, not {self.station_m}")
+        pose = self.dock.pose
+        place = pose.transform(self.station_m + _STATION_SIZE[0] / 2, 0.0)
+        return Block(*place, pose.heading, *_STATION_SIZE, self.name, colour="black")
+
+
+@dataclass(frozen=True, slots=True)
 class _StartEntry:
     """Where a robot may begin."""
 
@@ -97,6 +123,7 @@ class WorldFile:
     moving_doors: tuple[MovingDoorEntry, ...] = ()
     textures: Textures = field(default_factory=Textures)
     light: Light | None = None
+    docks: tuple[_DockEntry, ...] = ()
 
     def to_spec(self, name: str, source: str) -> WorldSpec:
         """Turn the entries into a world.
@@ -110,6 +137,7 @@ class WorldFile:
             tables = _made("tables", self.tables, TableEntry.blocks)
             objects = _made("objects", self.objects, ObjectEntry.movable, apart=True)
             drops = _made("drops", self.drops, _DropEntry.block)
+            stations = _made("docks", self.docks, _DockEntry.station, apart=True)
             people = _made("people", self.people, PersonEntry.person, apart=True)
             moving_doors = _made("moving_doors", self.moving_doors, MovingDoorEntry.door, apart=True)
         except ValueError as err:
@@ -130,7 +158,7 @@ class WorldFile:
             name,
             self.about,
             tuple(block for wall in walls for block in wall),
-            (*furniture, *(block for table in tables for block in table)),
+            (*furniture, *(block for table in tables for block in table), *stations),
             starts,
             self.routes_m,
             objects=objects,
@@ -142,6 +170,7 @@ class WorldFile:
             moving_doors=moving_doors,
             textures=self.textures,
             light=self.light,
+            docks=tuple(entry.dock for entry in self.docks),
         )
 
 

@@ -6,7 +6,7 @@ from typing import Any, cast
 import pytest
 
 from agents import RobotError, Team
-from apps.optical_flow import main
+from apps.optical_flow.application import main
 from apps.optical_flow.settings import FlowSettings
 from configs import ConfigError
 from tests.shown import files
