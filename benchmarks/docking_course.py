@@ -24,7 +24,7 @@ MODELS = ("powerbot", "peoplebot-sh", "patrolbot-sh")  # those with an automatic
 CONNECTING = 3.0  # s
 ROOM = 7.0, 6.0  # m
 PIECES = 3, 6  # of furniture
-TURNING, WIDTH = 0.7, 0.8  # m, radius of what is free on the way to the dock, and width of what is free onto it
+TURNING, BESIDE = 0.7, 0.1  # m that are free round the axle on the way to the dock, and round the hull from there on
 WRONG, TURNED = 0.15, 0.08  # m along and across, rad, by which the expected pose of the dock may be wrong
 
 
@@ -63,9 +63,9 @@ def _is_free(spec: WorldSpec, dock: Pose2D, start: Pose2D) -> bool:
         (start.x + share * (before[0] - start.x), start.y + share * (before[1] - start.y))
         for share in np.linspace(0, 1, 9)
     ]
-    onto = [dock.transform(-away, 0.0) for away in (0.0, 0.2, 0.4, 0.6, 0.8)]
+    hull = [dock.transform(along, across) for along in np.arange(-1.0, 0.4, 0.1) for across in (-0.35, 0.0, 0.35)]
     return bool(FreeSpace(spec, TURNING).are_free(np.array(ways)).all()) and bool(
-        FreeSpace(spec, WIDTH / 2).are_free(np.array(onto)).all()
+        FreeSpace(spec, BESIDE).are_free(np.array(hull)).all()
     )
 
 
