@@ -131,7 +131,7 @@ class MemoryBus(Bus):
         return watching
 
     def deliver(self, sample: Sample) -> None:
-        """Deliver bytes unchanged, as a foreign program may put them."""
+        """Publish bytes as they are."""
         self._check_open()
         self.network.deliver(sample)
 
