@@ -30,6 +30,7 @@ COMMANDS = {
     "command": ("acromovi.command", "Tell a robot something: stop, move, gripper, ptz and more"),
     "record": ("acromovi.record", "Record robots and agents into an MCAP file"),
     "replay": ("acromovi.replay", "Publish a recording again, with pauses, jumps and speed"),
+    "plot": ("acromovi.plot.command", "Draw a recording: paths, speeds, ranges, battery, latency"),
     "wire": ("acromovi.wire", "Show what flows on a robot's cable, live or recorded"),
     "doctor": ("acromovi.doctor", "Say what is wrong with a port, a robot or this machine"),
     "try": ("acromovi.scenes.play", "See an accessory, a line or a fault at work, in a few seconds"),
