@@ -31,6 +31,7 @@ COMMANDS = {
     "record": ("acromovi.record", "Record robots and agents into an MCAP file"),
     "replay": ("acromovi.replay", "Publish a recording again, with pauses, jumps and speed"),
     "plot": ("acromovi.plot.command", "Draw a recording: paths, speeds, ranges, battery, latency"),
+    "world": ("acromovi.world", "Look at and change the world of an emulator: truth, poses, doors, faults, time"),
     "wire": ("acromovi.wire", "Show what flows on a robot's cable, live or recorded"),
     "doctor": ("acromovi.doctor", "Say what is wrong with a port, a robot or this machine"),
     "try": ("acromovi.scenes.play", "See an accessory, a line or a fault at work, in a few seconds"),
