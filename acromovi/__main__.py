@@ -18,6 +18,7 @@ COMMANDS = {
     "ps": ("acromovi.ps", "List the agents: where they live, and in which state"),
     "directory": ("acromovi.yellow_pages", "Find agents by service, robot or property"),
     "ask": ("acromovi.ask", "Ask an agent to do something"),
+    "send": ("acromovi.send", "Send any ACL message to agents, and print the replies"),
     "agent": ("acromovi.agent", "Start, stop, suspend, resume or move an agent"),
     "sniff": ("acromovi.sniff", "Listen to what agents say to each other, and draw it"),
     "leases": ("acromovi.leases", "List who holds which robot or element, and how that came"),
