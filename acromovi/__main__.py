@@ -43,6 +43,7 @@ COMMANDS = {
     "demo": ("acromovi.demo", "Run an emulated robot, its gateway and a drive round the office, about a minute"),
     "keys": ("acromovi.keys", "Make the keys of a secure bus: who may look, who may drive"),
     "wrap": ("acromovi.wrap", "Make an agent of a program or a C library, as a file says"),
+    "completion": ("acromovi.completion", "Print a script that lets a shell complete the words of acromovi"),
     "router": ("acromovi.router", "Run a Zenoh router, to join robots of several sites"),
 }
 DESCRIPTION = "Robots on the bus: look, drive, find out what is wrong."
