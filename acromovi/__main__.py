@@ -19,7 +19,7 @@ COMMANDS = {
     "directory": ("acromovi.yellow_pages", "Find agents by service, robot or property"),
     "ask": ("acromovi.ask", "Ask an agent to do something"),
     "send": ("acromovi.send", "Send any ACL message to agents, and print the replies"),
-    "agent": ("acromovi.agent", "Start, stop, suspend, resume or move an agent"),
+    "agent": ("acromovi.agent", "Start, stop, suspend, resume, move or clone an agent"),
     "sniff": ("acromovi.sniff", "Listen to what agents say to each other, and draw it"),
     "leases": ("acromovi.leases", "List who holds which robot or element, and how that came"),
     "introspect": ("acromovi.introspect", "Look into a live agent: its mailbox, behaviours and conversations"),

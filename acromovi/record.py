@@ -14,7 +14,7 @@ from configs.extras import require
 
 if TYPE_CHECKING:
     from recorder.recorder import Recorder
-    from recorder.recording import Recording
+    from recorder.recording import McapRecording
     from recorder.writer import RecordingWriter
 
 MEGABYTE = 1_000_000
@@ -56,9 +56,9 @@ def _run(arguments: argparse.Namespace) -> int:
     """Record until an end, or print what is in a recording."""
     require("recording", "recorder")
     if arguments.info:
-        from recorder.recording import Recording
+        from recorder.recording import McapRecording
 
-        with Recording.open(arguments.info) as recording:
+        with McapRecording.open(arguments.info) as recording:
             _show(recording, arguments.json)
         return 0
     return _record(arguments)
@@ -148,7 +148,7 @@ def _reason(error: OSError, path: Path) -> str:
     return f"the recording ended: {path} cannot become longer ({error.strerror}); what was written before is complete"
 
 
-def _show(recording: "Recording", as_json: bool) -> None:
+def _show(recording: "McapRecording", as_json: bool) -> None:
     """Print what is in a recording."""
     record: dict[str, Any] = {
         "files": [str(each) for each in recording.paths],

@@ -17,7 +17,7 @@ from configs.extras import require
 if TYPE_CHECKING:
     from bus.bus import Bus
     from recorder.playback import Playback, PlaybackPublisher
-    from recorder.recording import Recording
+    from recorder.recording import McapRecording
 
 TURN = 0.05  # s at most between two looks at the keys
 JUMP = 10.0  # s that an arrow key moves
@@ -92,11 +92,11 @@ def _run(arguments: argparse.Namespace) -> int:
     require("replaying", "recorder")
     from bus.session import ZenohBus
     from recorder.playback import Playback, PlaybackPublisher, platforms
-    from recorder.recording import Recording
+    from recorder.recording import McapRecording
 
     renamed = dict(arguments.rename)
     with ExitStack() as stack:
-        recording = stack.enter_context(Recording.open(arguments.file))
+        recording = stack.enter_context(McapRecording.open(arguments.file))
         notes = recording.notes
         for note in notes:
             print(f"acromovi replay: {note}", file=sys.stderr)
@@ -189,7 +189,7 @@ def _wait(playback: "Playback", timeout: float) -> bool:
 class _Keys:
     """The keys of a playback in a terminal."""
 
-    def __init__(self, terminal: Terminal, recording: "Recording") -> None:
+    def __init__(self, terminal: Terminal, recording: "McapRecording") -> None:
         self._terminal = terminal
         self._recording = recording
         self._reader = KeyReader()

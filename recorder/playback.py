@@ -13,7 +13,7 @@ from bus.errors import BusError, KeyNotValid, MessageError
 from bus.messages import decode, encode
 from bus.payload import decode_json
 from recorder.channels import FASTEST, SLOWEST, TOKENS, is_stream
-from recorder.recording import Recorded, Recording
+from recorder.recording import McapRecording, Recorded
 
 
 class Playback:
@@ -22,7 +22,7 @@ class Playback:
     position_ns: time in the recording, ns since 1970. is_paused: it stands still. ended: nothing is left.
     """
 
-    def __init__(self, recording: Recording, speed: float = 1.0, loop: bool = False) -> None:
+    def __init__(self, recording: McapRecording, speed: float = 1.0, loop: bool = False) -> None:
         """Stand at the beginning, paused until `resume`.
 
         Args:
@@ -213,7 +213,7 @@ class PlaybackPublisher(Closeable):
         return self._renamed.get(platform, platform) + slash + rest
 
 
-def presence_at(recording: Recording, time_ns: int) -> Iterator[Recorded]:
+def presence_at(recording: McapRecording, time_ns: int) -> Iterator[Recorded]:
     """Yield the tokens and descriptions from the beginning until a time, for a publisher that jumps to it."""
 
     def is_wanted(key: str) -> bool:
@@ -225,7 +225,7 @@ def presence_at(recording: Recording, time_ns: int) -> Iterator[Recorded]:
         yield recorded
 
 
-def platforms(recording: Recording, renamed: Mapping[str, str]) -> list[str]:
+def platforms(recording: McapRecording, renamed: Mapping[str, str]) -> list[str]:
     """Return the robots and teams under whose names a recording is published."""
     found = {each.key.partition("/")[0] for each in recording.channels if is_stream(each.key)}
     return sorted({renamed.get(each, each) for each in found})

@@ -44,7 +44,7 @@ _DAMAGE = (
 )
 
 
-class RecordingError(BusError, ValueError):
+class McapRecordingError(BusError, ValueError):
     """A file is no recording, or cannot be read at all; the message says why and what to do."""
 
 
@@ -95,7 +95,7 @@ class _RecordedFile:
     encodings: dict[int, str | None] = field(default_factory=dict)
 
 
-class Recording(Closeable):
+class McapRecording(Closeable):
     """An open recording of one or several files.
 
     paths: its files, by their times. start_ns, end_ns: times of the first and the last message, ns since 1970.
@@ -123,7 +123,7 @@ class Recording(Closeable):
         Args:
             paths: At least one.
         Raises:
-            RecordingError: One of them is no recording, or holds nothing that can be read.
+            McapRecordingError: One of them is no recording, or holds nothing that can be read.
         """
         files: list[_RecordedFile] = []
         try:
@@ -177,7 +177,7 @@ def _open(path: Path) -> _RecordedFile:
     try:
         stream = path.open("rb")
     except OSError as err:
-        raise RecordingError(f"{path} cannot be opened: {err.strerror}") from err
+        raise McapRecordingError(f"{path} cannot be opened: {err.strerror}") from err
     file = _RecordedFile(path, stream)
     try:
         version = _check_magic(path, stream)
@@ -186,7 +186,7 @@ def _open(path: Path) -> _RecordedFile:
         if not _read_index(file):
             _search(file)
         if not file.blocks and not file.loose:
-            raise RecordingError(f"{path} holds no messages" + "".join(f"; {note}" for note in file.notes))
+            raise McapRecordingError(f"{path} holds no messages" + "".join(f"; {note}" for note in file.notes))
         _choose_encodings(file)
     except BaseException:
         stream.close()
@@ -198,7 +198,7 @@ def _check_magic(path: Path, stream: BinaryIO) -> int:
     """Return the version of the format."""
     magic = stream.read(len(MCAP0_MAGIC))
     if len(magic) < len(MCAP0_MAGIC) or magic[:5] != MCAP0_MAGIC[:5] or magic[6:] != MCAP0_MAGIC[6:]:
-        raise RecordingError(f"{path} is no MCAP file; acromovi record writes them")
+        raise McapRecordingError(f"{path} is no MCAP file; acromovi record writes them")
     return magic[5]
 
 

@@ -83,10 +83,10 @@ def _draw(arguments: argparse.Namespace, output: Path, is_folder: bool) -> int:
     """Read the recording and draw it."""
     from acromovi.plot.figures import PlottedRecording, draw
     from acromovi.plot.series import is_drawn, read_series
-    from recorder.recording import Recording
+    from recorder.recording import McapRecording
 
     background = _background(arguments.map)
-    with Recording.open(arguments.file) as recording:
+    with McapRecording.open(arguments.file) as recording:
         robots, damaged = read_series(recording.samples(is_wanted=is_drawn), recording.start_ns)
         notes = recording.notes + [f"{damaged} messages could not be decoded and are left out"] * bool(damaged)
         begun, duration = time.localtime(recording.start_ns / 1e9), recording.duration

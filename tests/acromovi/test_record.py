@@ -15,7 +15,7 @@ import pytest
 from acromovi.__main__ import main
 from bus import ZenohBus
 from bus.bus import Sample
-from recorder.recording import Recording
+from recorder.recording import McapRecording
 from tests.acromovi.team.private_bus import private_bus
 from tests.live_team import environment
 from tests.recorder.recordings import drive, odometry, read
@@ -76,7 +76,7 @@ def test_a_killed_recorder_leaves_a_readable_file(tmp_path: Path) -> None:
     positions = [each.sample.decoded().pose.pose.position.x for each in read(path)]
     assert positions == sorted(positions)
     assert len(positions) > 10
-    with Recording.open([path]) as opened:
+    with McapRecording.open([path]) as opened:
         assert "is cut short" in opened.notes[0]
 
 
@@ -101,7 +101,7 @@ def test_a_full_disk_ends_it_with_one_sentence(tmp_path: Path) -> None:
     assert errors.startswith(f"acromovi record: the recording ended: {path} cannot become longer (File too large)")
     assert errors.count("\n") == 1
     assert len(read(path)) > 10
-    with Recording.open([path]) as opened:
+    with McapRecording.open([path]) as opened:
         assert "is cut short" not in " ".join(opened.notes)
 
 

@@ -20,7 +20,7 @@ from bus.messages import (
     quaternion,
     twist,
 )
-from recorder.recording import Recorded, Recording
+from recorder.recording import McapRecording, Recorded
 from recorder.writer import RecordingWriter
 
 START = 1_700_000_000 * NS_PER_S
@@ -70,7 +70,7 @@ def drive(path: Path, seconds: float = 4.0, robot: str = "happy", **options: int
 
 def read(*paths: Path) -> list[Recorded]:
     """All samples of a recording."""
-    with Recording.open(paths) as recording:
+    with McapRecording.open(paths) as recording:
         return list(recording.samples())
 
 

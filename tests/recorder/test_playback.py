@@ -14,16 +14,16 @@ from bus.memory import MemoryBus
 from bus.messages import NS_PER_S, Odometry
 from recorder.channels import is_stream
 from recorder.playback import Playback, PlaybackPublisher, platforms, presence_at
-from recorder.recording import Recorded, Recording
+from recorder.recording import McapRecording, Recorded
 from tests.recorder.recordings import START, drive
 
 COMMANDS = [topic for topic in keys.TOPICS if topic.kind is not keys.Kind.STREAM]
 
 
 @pytest.fixture(scope="module")
-def recording(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Recording]:
+def recording(tmp_path_factory: pytest.TempPathFactory) -> Iterator[McapRecording]:
     files = drive(tmp_path_factory.mktemp("playback") / "drive.mcap")
-    with Recording.open(files) as opened:
+    with McapRecording.open(files) as opened:
         yield opened
 
 
@@ -31,7 +31,7 @@ def odometry_in(found: list[Recorded]) -> list[float]:
     return [(each.time_ns - START) / NS_PER_S for each in found if each.sample.key == "happy/odom"]
 
 
-def test_samples_are_due_when_their_time_has_come(recording: Recording) -> None:
+def test_samples_are_due_when_their_time_has_come(recording: McapRecording) -> None:
     playback = Playback(recording)
     assert playback.due(0.0) == []  # it is paused
     playback.resume(10.0)
@@ -42,7 +42,7 @@ def test_samples_are_due_when_their_time_has_come(recording: Recording) -> None:
     assert playback.ended
 
 
-def test_speed_pause_and_seek(recording: Recording) -> None:
+def test_speed_pause_and_seek(recording: McapRecording) -> None:
     playback = Playback(recording, speed=2.0)
     playback.resume(0.0)
     assert len(odometry_in(playback.due(0.5))) == 11
@@ -59,7 +59,7 @@ def test_speed_pause_and_seek(recording: Recording) -> None:
     assert playback.elapsed == pytest.approx(3.9)
 
 
-def test_a_loop_begins_again(recording: Recording) -> None:
+def test_a_loop_begins_again(recording: McapRecording) -> None:
     playback = Playback(recording, loop=True)
     playback.resume(0.0)
     assert len(odometry_in(playback.due(5.0))) == 40
@@ -69,7 +69,7 @@ def test_a_loop_begins_again(recording: Recording) -> None:
 
 @given(times=st.lists(st.floats(0.0, 10.0), max_size=20), speed=st.floats(0.1, 10.0))
 def test_whenever_it_is_looked_at_everything_is_due_once_and_in_order(
-    times: list[float], speed: float, recording: Recording
+    times: list[float], speed: float, recording: McapRecording
 ) -> None:
     playback = Playback(recording, speed)
     playback.resume(0.0)
@@ -78,22 +78,24 @@ def test_whenever_it_is_looked_at_everything_is_due_once_and_in_order(
 
 
 @pytest.mark.parametrize("speed", [0.0, -1.0, 1000.0, float("nan")])
-def test_impossible_speeds_are_refused(speed: float, recording: Recording) -> None:
+def test_impossible_speeds_are_refused(speed: float, recording: McapRecording) -> None:
     with pytest.raises(ValueError, match="choose one from"):
         Playback(recording, speed)
 
 
-def played(recording: Recording, renamed: dict[str, str], **options: bool) -> tuple[list[Sample], PlaybackPublisher]:
+def played(
+    recording: McapRecording, renamed: dict[str, str], **options: bool
+) -> tuple[list[Sample], PlaybackPublisher]:
     heard: list[Sample] = []
     with MemoryBus() as bus:
         bus.subscribe("**", heard.append)
-        publisher = PlaybackPublisher(bus, renamed, **options)
+        publisher = PlaybackPublisher(bus, renamed)
         for recorded in recording.samples():
             publisher.publish(recorded)
     return heard, publisher
 
 
-def test_streams_are_published_unchanged_and_commands_never(recording: Recording) -> None:
+def test_streams_are_published_unchanged_and_commands_never(recording: McapRecording) -> None:
     heard, publisher = played(recording, {})
     assert {each.key for each in heard} == {"happy/odom", "happy/agents/base/results"}
     assert [each for each in heard if each.key == "happy/odom"] == [
@@ -133,7 +135,7 @@ def test_readings_results_and_messages_that_were_heard_are_streams(key: str) -> 
     assert is_stream(key)
 
 
-def test_a_renamed_robot_has_its_new_name_in_keys_and_frames(recording: Recording) -> None:
+def test_a_renamed_robot_has_its_new_name_in_keys_and_frames(recording: McapRecording) -> None:
     heard, _ = played(recording, {"happy": "ghost"})
     first = next(each for each in heard if each.key == "ghost/odom")
     message: Odometry = first.decoded()
@@ -142,12 +144,12 @@ def test_a_renamed_robot_has_its_new_name_in_keys_and_frames(recording: Recordin
     assert platforms(recording, {"happy": "ghost"}) == ["ghost"]
 
 
-def test_a_new_name_must_be_a_name(recording: Recording) -> None:
+def test_a_new_name_must_be_a_name(recording: McapRecording) -> None:
     with MemoryBus() as bus, pytest.raises(KeyNotValid):
         PlaybackPublisher(bus, {"happy": "a/b"})
 
 
-def test_in_one_process_a_recording_looks_like_a_live_team(recording: Recording) -> None:
+def test_in_one_process_a_recording_looks_like_a_live_team(recording: McapRecording) -> None:
     alive: dict[str, bool] = {}
     bus = MemoryBus()
     bus.watch_alive("**", lambda key, is_alive: alive.update({key: is_alive}))

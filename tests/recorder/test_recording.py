@@ -16,7 +16,7 @@ from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from bus.bus import Sample
 from bus.messages import NS_PER_S
 from recorder.mcap_file import DiskFull
-from recorder.recording import Recording, RecordingError
+from recorder.recording import McapRecording, McapRecordingError
 from recorder.writer import RecordingWriter
 from tests.recorder.recordings import START, drive, odometry, read, sample
 
@@ -32,7 +32,7 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="module")
 def killed(whole: Path) -> bytes:
     """The same recording as a killed recorder leaves it: without the index."""
-    with Recording.open([whole]) as recording:
+    with McapRecording.open([whole]) as recording:
         assert not recording.notes
     data = whole.read_bytes()
     return data[: data.index(b"\x0f\x04\x00\x00\x00\x00\x00\x00\x00")]  # up to the record of the end of the data
@@ -48,7 +48,7 @@ def test_all_that_was_recorded_is_read_unchanged_and_in_order(whole: Path) -> No
 
 
 def test_reading_begins_at_any_time_and_with_any_keys(whole: Path) -> None:
-    with Recording.open([whole]) as recording:
+    with McapRecording.open([whole]) as recording:
         found = list(recording.samples(START + 3 * NS_PER_S, lambda key: key == "happy/odom"))
         assert len(found) == 10
         assert recording.duration == pytest.approx(3.9)
@@ -93,7 +93,7 @@ def test_a_killed_recorder_loses_only_the_last_chunk(whole: Path, killed: bytes,
     path = tmp_path / "killed.mcap"
     path.write_bytes(killed)
     assert read(path) == read(whole)
-    with Recording.open([path]) as recording:
+    with McapRecording.open([path]) as recording:
         assert "is cut short" in " ".join(recording.notes)
 
 
@@ -106,7 +106,7 @@ def test_a_file_cut_anywhere_gives_a_beginning_of_what_was_recorded(
     everything = read(whole)
     try:
         found = read(path)
-    except RecordingError:
+    except McapRecordingError:
         found = []
     assert found == everything[: len(found)]
 
@@ -121,7 +121,7 @@ def test_a_damaged_byte_never_gives_a_traceback(
     path.write_bytes(data)
     try:
         found = read(path)
-    except RecordingError:
+    except McapRecordingError:
         return
     payloads = {each.sample.payload for each in read(whole)}
     assert {each.sample.payload for each in found} <= payloads
@@ -184,14 +184,14 @@ def _fill(path: Path) -> None:
 def test_what_is_no_recording_is_refused_in_a_sentence(tmp_path: Path) -> None:
     path = tmp_path / "notes.mcap"
     path.write_text("these are my notes")
-    with pytest.raises(RecordingError, match=r"is no MCAP file; acromovi record writes them"):
-        Recording.open([path])
-    with pytest.raises(RecordingError, match="cannot be opened: No such file"):
-        Recording.open([tmp_path / "absent.mcap"])
+    with pytest.raises(McapRecordingError, match=r"is no MCAP file; acromovi record writes them"):
+        McapRecording.open([path])
+    with pytest.raises(McapRecordingError, match="cannot be opened: No such file"):
+        McapRecording.open([tmp_path / "absent.mcap"])
     empty = tmp_path / "empty.mcap"
     RecordingWriter(empty, "test").close()
-    with pytest.raises(RecordingError, match="holds no messages"):
-        Recording.open([empty])
+    with pytest.raises(McapRecordingError, match="holds no messages"):
+        McapRecording.open([empty])
 
 
 def test_of_a_newer_version_what_is_known_is_read(whole: Path, tmp_path: Path) -> None:
@@ -199,7 +199,7 @@ def test_of_a_newer_version_what_is_known_is_read(whole: Path, tmp_path: Path) -
     data = bytearray(whole.read_bytes())
     data[5] = data[-3] = ord("1")
     newer.write_bytes(data)
-    with Recording.open([newer]) as recording:
+    with McapRecording.open([newer]) as recording:
         assert "has MCAP version 1, newer than 0" in recording.notes[0]
         assert len(list(recording.samples())) == IN_ALL
 
@@ -207,7 +207,7 @@ def test_of_a_newer_version_what_is_known_is_read(whole: Path, tmp_path: Path) -
 def test_a_newer_format_of_our_own_is_read_and_noted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("recorder.writer.FORMAT", 7)
     (path,) = drive(tmp_path / "newer.mcap")
-    with Recording.open([path]) as recording:
+    with McapRecording.open([path]) as recording:
         assert "newer version of acromovi (format '7', known is 1)" in " ".join(recording.notes)
         assert len(list(recording.samples())) == IN_ALL
 
@@ -219,7 +219,7 @@ def test_messages_of_unknown_types_are_noted_and_passed_on(tmp_path: Path) -> No
     writer.add(Sample("happy/proto", b"????", "application/protobuf"), START)
     writer.add(sample("happy/odom", odometry("happy", 0.0, START)), START)
     writer.close()
-    with Recording.open([path]) as recording:
+    with McapRecording.open([path]) as recording:
         assert recording.notes == [
             f"{path} has messages of unknown types on /happy/proto, /happy/strange; they are not decoded"
         ]

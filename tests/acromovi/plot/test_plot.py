@@ -11,7 +11,7 @@ from acromovi.plot.series import read_series, worst_each_second
 from bus.bus import Sample
 from bus.messages import header, placed
 from bus.ros_msgs import TFMessage
-from recorder.recording import Recorded, Recording
+from recorder.recording import McapRecording, Recorded
 from recorder.writer import RecordingWriter
 from tests.recorder.recordings import START, drive, odometry, sample
 
@@ -22,7 +22,7 @@ def recording(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_curves_are_those_of_the_recording(recording: Path) -> None:
-    with Recording.open([recording]) as opened:
+    with McapRecording.open([recording]) as opened:
         ((robot,), damaged) = read_series(opened.samples(), opened.start_ns)
     assert damaged == 0
     assert robot.name == "happy"
