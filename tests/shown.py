@@ -44,7 +44,6 @@ ELSEWHERE = {
     "acromovi send request sonar@happy --action read": "tests/acromovi/test_send.py",
     "acromovi send inform follow@happy --content '{\"speed\": 0.3}'": "tests/acromovi/test_send.py",
     "python examples/protocols.py": "tests/test_protocols.py",
-    "python -m benchmarks recorder": "it is a benchmark, which takes minutes",
     "acromovi up house.toml": "tests/acromovi/navigation",
     "acromovi navigate go happy -2 2.4 --wait": "tests/acromovi/navigation",
     "acromovi navigate picture happy way.svg": "tests/acromovi/navigation",
