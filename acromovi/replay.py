@@ -113,7 +113,7 @@ def _run(arguments: argparse.Namespace) -> int:
             playback.seek(arguments.start, time.monotonic())
         if sys.stdin.isatty() and sys.stdout.isatty() and not arguments.quiet:
             with Terminal() as terminal:
-                _play(playback, publisher, names, _Keys(terminal, recording).look)
+                _play(playback, publisher, names, PlaybackKeys(terminal, recording).look)
         else:
             _play(playback, publisher, names, _wait)
         for note in set(recording.notes).difference(notes):  # found on the way
@@ -186,7 +186,7 @@ def _wait(playback: "Playback", timeout: float) -> bool:
     return True
 
 
-class _Keys:
+class PlaybackKeys:
     """The keys of a playback in a terminal."""
 
     def __init__(self, terminal: Terminal, recording: "McapRecording") -> None:

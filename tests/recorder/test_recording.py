@@ -15,7 +15,7 @@ from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from bus.bus import Sample
 from bus.messages import NS_PER_S
-from recorder.mcap_file import DiskFull
+from recorder.mcap_file import DiskFull, McapFile
 from recorder.recording import McapRecording, McapRecordingError
 from recorder.writer import RecordingWriter
 from tests.recorder.recordings import START, drive, odometry, read, sample
@@ -200,7 +200,7 @@ def test_of_a_newer_version_what_is_known_is_read(whole: Path, tmp_path: Path) -
     data[5] = data[-3] = ord("1")
     newer.write_bytes(data)
     with McapRecording.open([newer]) as recording:
-        assert "has MCAP version 1, newer than 0" in recording.notes[0]
+        assert "has MCAP version '1', newer than 0" in recording.notes[0]
         assert len(list(recording.samples())) == IN_ALL
 
 
@@ -236,3 +236,46 @@ def test_a_copy_that_is_still_written_is_read_up_to_now(tmp_path: Path) -> None:
     copy = shutil.copy(path, tmp_path / "copy.mcap")
     writer.close()
     assert 15 <= len(read(Path(copy))) <= 20
+
+
+def test_hostile_names_and_definitions_are_quoted_and_never_run(tmp_path: Path) -> None:
+    path = tmp_path / "hostile.mcap"
+    file = McapFile(path, "test\x1b[2J", {"format": "\x1b[31m9"})
+    evil = file.add_schema(
+        "x/msg/Y:\n    import os\n#", "__import__('os').system('touch " + str(tmp_path / "touched") + "')"
+    )
+    plain = file.add_schema("evil_msgs/msg/Thing", "string __class__=\"\"\"); open('touched', 'w') #\nfloat32 x")
+    for number, schema in enumerate((evil, plain)):
+        file.add_message(file.add_channel(f"/\x1b[2Jevil{number}", "cdr", schema), START, START, b"\0\1\0\0" * 4)
+    file.finish()
+    with McapRecording.open([path]) as recording:
+        assert not any("\x1b" in note for note in recording.notes)
+        assert "unknown types on /?[2Jevil0" in " ".join(recording.notes)
+        assert len(list(recording.samples())) == 2
+    assert not (tmp_path / "touched").exists()
+
+
+@given(text=st.text(max_size=200), name=st.text(max_size=40))
+def test_no_definition_in_a_file_raises_anything(
+    text: str, name: str, tmp_path_factory: pytest.TempPathFactory
+) -> None:
+    path = tmp_path_factory.getbasetemp() / "definition.mcap"
+    path.unlink(missing_ok=True)
+    file = McapFile(path, "test", {})
+    file.add_message(file.add_channel("/a/b", "cdr", file.add_schema(name, text)), START, START, b"\0\1\0\0")
+    file.finish()
+    with McapRecording.open([path]) as recording:
+        assert len(list(recording.samples())) == bool(name)
+
+
+def test_messages_of_a_type_that_only_the_file_defines_are_decoded(tmp_path: Path) -> None:
+    path = tmp_path / "own.mcap"
+    file = McapFile(path, "test", {"format": "1"})
+    schema = file.add_schema("lab_msgs/msg/Weight", "float32 kilograms\nuint8 count\n")
+    file.add_message(file.add_channel("/a/weight", "cdr", schema), START, START, b"\0\1\0\0" + b"\0\0\x20\x40\x07")
+    file.finish()
+    with McapRecording.open([path]) as recording:
+        assert recording.notes == []
+        (recorded,) = recording.samples()
+        weight = recorded.sample.decoded()
+    assert (weight.kilograms, weight.count) == (2.5, 7)
