@@ -29,7 +29,7 @@ class _Token(NamedTuple):
     is_alive: bool
 
 
-class _Description(NamedTuple):
+class _Standing(NamedTuple):
     key: str
     value: dict[str, Any]
 
@@ -57,7 +57,7 @@ class Recorder(Closeable):
         self.ended = threading.Event()
         self._bus = bus
         self._writer = writer
-        self._waiting: deque[tuple[int, Sample | _Token | _Description]] = deque()
+        self._waiting: deque[tuple[int, Sample | _Token | _Standing]] = deque()
         self._bytes_in = 0  # by the threads of the bus
         self._bytes_out = 0  # by the thread that writes
         self._expressions = [key_expression(each) for each in dict.fromkeys(expressions)]
@@ -139,21 +139,22 @@ class Recorder(Closeable):
                 case _Token():
                     self._writer.add_token(item.key, item.is_alive, time_ns)
                     self._follow(item)
-                case _Description():
+                case _Standing():
                     self._asking.pop(item.key, None)
                     self._writer.add_description(item.key, item.value, time_ns)
             self._writer.flush(time_ns)
 
     def _follow(self, token: _Token) -> None:
-        """Ask a program that has appeared for its description."""
-        key = _description_key(token.key)
-        if (asking := self._asking.pop(key, None)) is not None:
-            asking.close()
-        if not token.is_alive or not token.key.endswith(_ALIVE):
-            return
+        """Ask a program that has appeared for what it only publishes on change."""
+        for key in _standing_keys(token.key):
+            if (asking := self._asking.pop(key, None)) is not None:
+                asking.close()
+            if token.is_alive:
+                self._ask(key)
 
+    def _ask(self, key: str) -> None:
         def keep(answer: Answer) -> None:
-            self._waiting.append((time.time_ns(), _Description(answer.key, answer.value)))
+            self._waiting.append((time.time_ns(), _Standing(answer.key, answer.value)))
 
         try:
             self._asking[key] = self._bus.ask(key, None, keep, lambda error: None, DESCRIPTION_TIME, urgent=True)
@@ -178,8 +179,12 @@ def _tokens_of(expression: str) -> str:
     return "**" if platform == "**" else f"{platform}/**"
 
 
-def _description_key(token: str) -> str:
-    """Return the key of the description of the program that shows a token; that of the robot for its elements."""
-    if keys.topic_of(token) is keys.ELEMENT_ALIVE:
-        return keys.DESCRIPTION.key(keys.split(token)[0])
-    return token.removesuffix(_ALIVE) + "/description"
+def _standing_keys(token: str) -> list[str]:
+    """Return the keys on which the program that shows a token tells of itself; an element is told of by its robot."""
+    topic = keys.topic_of(token)
+    robot, _ = keys.split(token)
+    if topic is keys.ELEMENT_ALIVE:
+        return [keys.DESCRIPTION.key(robot)]
+    if topic is keys.ALIVE:
+        return [keys.DESCRIPTION.key(robot), keys.LEASE_STATE.key(robot)]
+    return [token.removesuffix(_ALIVE) + "/description"] if token.endswith(_ALIVE) else []

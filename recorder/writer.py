@@ -81,6 +81,8 @@ class RecordingWriter:
         """
         if self._is_full(time_ns):
             self._split(time_ns)
+        if sample.key in self._standing:
+            self._standing[sample.key] = sample
         self._write(sample, time_ns)
 
     def add_token(self, key: str, is_alive: bool, time_ns: int) -> None:
@@ -89,12 +91,13 @@ class RecordingWriter:
         if is_alive:
             self._standing[key] = sample
         else:
-            self._standing.pop(key, None)
-            self._standing.pop(key.removesuffix("alive") + "description", None)
+            about = key.removesuffix("alive")
+            for each in (key, f"{about}description", f"{about}lease/state"):
+                self._standing.pop(each, None)
         self.add(sample, time_ns)
 
     def add_description(self, key: str, description: Mapping[str, Any], time_ns: int) -> None:
-        """Add the answer of a program to a query of its description. Raises: as `add`."""
+        """Add what a program has answered of itself: its description, or the leases on a robot. Raises: as `add`."""
         sample = self._standing[key] = _json_sample(key, description)
         self.add(sample, time_ns)
 

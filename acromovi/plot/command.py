@@ -15,6 +15,7 @@ from geometry import MapError, Pose2D, read_map
 
 if TYPE_CHECKING:
     from acromovi.plot.figures import Background
+    from recorder.recording import McapRecording
 
 FORMATS = (".png", ".svg")
 RERUN = "rerun"
@@ -27,7 +28,8 @@ examples:
   acromovi plot drive.mcap --rerun                   open the recording in Rerun, where it is installed
 
 Paths are in the frame of each robot's odometry, which begins where its gateway connected. Over a map they are where a
-recorded transform has them, or where --at says that the odometry began: x and y in m, heading in degrees.
+recorded transform has them, or where --at says that the odometry began: x and y in m, heading in degrees. Without --map
+the latest recorded occupancy grid is the map.
 
 Exit codes: 0 drawn, 1 not drawn (the reason is on stderr), 2 wrong usage.
 """
@@ -87,6 +89,8 @@ def _draw(arguments: argparse.Namespace, output: Path, is_folder: bool) -> int:
 
     background = _background(arguments.map)
     with McapRecording.open(arguments.file) as recording:
+        if arguments.map is None:
+            background = _recorded_map(recording) or background
         robots, damaged = read_series(recording.samples(is_wanted=is_drawn), recording.start_ns)
         notes = recording.notes + [f"{damaged} messages could not be decoded and are left out"] * bool(damaged)
         begun, duration = time.localtime(recording.start_ns / 1e9), recording.duration
@@ -143,6 +147,24 @@ def _background(name: str | None) -> "Background":
     except WorldError as err:
         raise MapError(str(err)) from err
     return Background(walls=[block.footprint for block in (*world.walls, *world.furniture)])
+
+
+def _recorded_map(recording: "McapRecording") -> "Background | None":
+    """Return the latest occupancy grid of a recording, None if it has none that can be read."""
+    from acromovi.plot.figures import Background
+    from acromovi.plot.series import GRID_TYPE
+    from bus.errors import MessageError
+
+    grids = {each.key for each in recording.channels if each.type_name == GRID_TYPE}
+    latest = None
+    for recorded in recording.samples(is_wanted=lambda key: key in grids):
+        latest = recorded.sample
+    if latest is None:
+        return None
+    try:
+        return Background.of_grid(latest.decoded())
+    except (MessageError, ValueError):  # garbage, or a size that its cells do not have
+        return None
 
 
 def _open_in_rerun(files: list[Path]) -> int:

@@ -3,11 +3,15 @@
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, Self
 
-from acromovi.plot.series import Curve, RobotSeries, worst_each_second
+import numpy as np
+from numpy.typing import NDArray
+
+from acromovi.plot.series import MAP_FRAME, Curve, RobotSeries, worst_each_second
 from acromovi.svg import COLOURS
 from apps.pictures import save_picture
+from bus import keys
 from geometry import Polygon, Pose2D
 
 if TYPE_CHECKING:
@@ -19,15 +23,30 @@ WALL, SEEN = "#b9b4a8", "#c4c9d0"
 
 @dataclass(frozen=True, slots=True)
 class Background:
-    """What the paths are drawn over, in the map's frame, m. walls: outlines; lines: walls without a width."""
+    """What the paths are drawn over, m.
+
+    walls: outlines. lines: walls without a width. grid: occupancy in %, -1 where it is not known, row 0 at the bottom,
+    shape (height, width), with its left, right, lower and upper edge. frame: in which all of them are.
+    """
 
     walls: Sequence[Polygon] = ()
     lines: Sequence[tuple[tuple[float, float], tuple[float, float]]] = ()
+    grid: tuple[NDArray[np.int8], tuple[float, float, float, float]] | None = None
+    frame: str = MAP_FRAME
+
+    @classmethod
+    def of_grid(cls, message: Any) -> Self:
+        """Return a recorded occupancy grid; its rotation is passed over, which map builders leave at 0."""
+        info = message.info
+        left, lower = info.origin.position.x, info.origin.position.y
+        cells = np.asarray(message.data, np.int8).reshape(info.height, info.width)
+        right, upper = left + info.width * info.resolution, lower + info.height * info.resolution
+        return cls(grid=(cells, (left, right, lower, upper)), frame=message.header.frame_id)
 
     @property
     def is_map(self) -> bool:
         """Whether it is a map, and not empty."""
-        return bool(self.walls or self.lines)
+        return bool(self.walls or self.lines or self.grid)
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,6 +64,8 @@ class PlottedRecording:
     def origin(self, robot: RobotSeries) -> Pose2D | None:
         """Return where a robot's odometry frame is in the map, None if it is not known; without a map, the origin."""
         known = self.starts.get(robot.name) or robot.in_map
+        if self.background.frame == keys.frame(robot.name, "odom"):
+            known = Pose2D(0.0, 0.0, 0.0)
         return known if known is not None or self.background.is_map else Pose2D(0.0, 0.0, 0.0)
 
     def not_in_map(self) -> list[str]:
@@ -87,6 +108,10 @@ def draw(plotted: PlottedRecording, output: Path, is_folder: bool) -> list[Path]
 
 
 def _draw_paths(plotted: PlottedRecording, axes: "Axes") -> None:
+    if plotted.background.grid is not None:
+        cells, edges = plotted.background.grid
+        shade = np.where(cells < 0, 0.9, 1.0 - np.clip(cells, 0, 100) / 100.0)
+        axes.imshow(shade, cmap="gray", vmin=0.0, vmax=1.0, origin="lower", extent=edges, zorder=-1)
     for wall in plotted.background.walls:
         axes.fill([x for x, _ in wall], [y for _, y in wall], color=WALL, linewidth=0)
     for (x1, y1), (x2, y2) in plotted.background.lines:

@@ -13,6 +13,7 @@ from bus.messages import NS_PER_S, heading
 from geometry import Pose2D
 from recorder.recording import Recorded
 
+GRID_TYPE = "nav_msgs/msg/OccupancyGrid"
 LASER_PERIOD = 0.5  # s between two scans that are drawn
 LASER_BEAMS = 60  # of each of them
 MAP_FRAME = "map"

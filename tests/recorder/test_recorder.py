@@ -20,6 +20,7 @@ def recorded(path: Path, expressions: list[str]) -> list[str]:
     robots, bus = MemoryBus(), None
     bus = MemoryBus(robots.network)
     robots.serve("happy/description", lambda given: {"model": "p3dx-sh"})
+    robots.serve("happy/lease/state", lambda given: {"leases": []})
     robots.declare_alive("happy/alive")
     with Recorder(bus, expressions, RecordingWriter(path, "test")) as recorder:
         robots.publisher("happy/agents/base/results", JSON).put({"x": 1})
@@ -37,6 +38,7 @@ def test_everything_is_recorded_with_tokens_and_descriptions(tmp_path: Path) -> 
         "happy/agents/base/results",
         "happy/cmd_vel",
         "happy/description",
+        "happy/lease/state",
     ]
     assert found.count("tokens") == 2
 

@@ -4,12 +4,14 @@ import math
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
 
+import numpy as np
 import pytest
+from rosbags.typesys import Stores, get_typestore
 
 from acromovi.__main__ import main
 from acromovi.plot.series import read_series, worst_each_second
 from bus.bus import Sample
-from bus.messages import header, placed
+from bus.messages import Point, Pose, Time, header, placed, prepare, quaternion
 from bus.ros_msgs import TFMessage
 from recorder.recording import McapRecording, Recorded
 from recorder.writer import RecordingWriter
@@ -70,6 +72,27 @@ def test_an_svg_names_the_robot_and_every_figure(
     texts = [each.text for each in ElementTree.parse(output).iter() if each.tag.endswith("text")]
     assert {"happy", "happy, actual", "happy, commanded", "latency, ms", "battery, V"} <= set(texts)
     assert any("drive.mcap: 4 s from" in (text or "") for text in texts)
+
+
+@pytest.mark.parametrize(("frame", "is_known"), [("happy/odom", True), ("map", False)])
+def test_a_recorded_grid_is_the_map(
+    frame: str, is_known: bool, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "grid.mcap"
+    prepare("nav_msgs/msg/OccupancyGrid")  # loads the standard types that robots do not use
+    types = get_typestore(Stores.ROS2_JAZZY).types
+    origin = Pose(position=Point(x=-1.0, y=-1.0, z=0.0), orientation=quaternion(0.0))
+    info = types["nav_msgs/msg/MapMetaData"](Time(0, 0), 0.5, 6, 4, origin)
+    cells = np.full(24, -1, np.int8)
+    grid = types["nav_msgs/msg/OccupancyGrid"](header(START, frame), info, cells)
+    writer = RecordingWriter(path, "test")
+    writer.add(sample("happy/map", grid), START)
+    writer.add(sample("happy/odom", odometry("happy", 0.0, START)), START + 1)
+    writer.close()
+    output = tmp_path / "grid.svg"
+    assert main(["plot", str(path), "--output", str(output)]) == 0
+    assert "<image" in output.read_text()
+    assert ("where happy began in the map is not known" in capsys.readouterr().err) == (not is_known)
 
 
 def test_a_folder_has_a_file_for_each_figure(recording: Path, tmp_path: Path) -> None:
