@@ -15,6 +15,7 @@ from bus.secure import Profile
 from configs import ConfigError
 from configs.extras import missing, needs
 from configs.team_file import TeamRobot
+from gateway.local_ports import holders
 from p2os import RobotModel
 from p2os_emu.fit import FitError, read_fit
 
@@ -127,3 +128,5 @@ def _check_port(whose: str, place: str, found: TeamFindings) -> None:
         found.notes.append(f"{whose}: there is no port {place} now; it would be waited for")
     elif not os.access(path, os.R_OK | os.W_OK):
         found.problems.append(f"{whose}: this user may not open {place}; see acromovi doctor {place}")
+    elif users := holders(place):
+        found.problems.append(f"{whose}: {place} is in use by {' and '.join(map(str, users))}; end it first")

@@ -1,8 +1,10 @@
 """A team's file gives settings to the gateways of its robots, is checked without a start, and becomes units."""
 
 import json
+import os
 import re
 import shlex
+import subprocess
 from pathlib import Path
 
 import pytest
@@ -94,6 +96,20 @@ def test_a_check_reports_every_problem_at_once(file: Path, tmp_path: Path, capsy
     assert f"doc and grumpy are on one port, {tmp_path}/port" in problems
     assert "lazer" in problems
     assert found["notes"] == [f"grumpy: its laser: there is no port {tmp_path}/absent now; it would be waited for"]
+
+
+def test_a_check_names_the_program_that_uses_a_port(file: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    main_end, port = os.openpty()
+    name = os.ttyname(port)
+    file.write_text(re.sub(r'port = ".*"', f'port = "{name}"', file.read_text()))
+    with subprocess.Popen(["sleep", "60"], stdin=port) as other:
+        try:
+            assert main(["up", str(file), "--check"]) == 1
+        finally:
+            other.kill()
+            os.close(port)
+            os.close(main_end)
+    assert f"doc: {name} is in use by process {other.pid} (sleep 60); end it first" in capsys.readouterr().err
 
 
 def test_a_check_of_a_broken_file_says_what_a_start_would(file: Path, capsys: pytest.CaptureFixture[str]) -> None:
