@@ -66,7 +66,11 @@ def _json(text: str) -> Any:
 
 
 def _run(arguments: argparse.Namespace) -> int:
-    """Send one message and print the replies."""
+    """Send one message and print the replies.
+
+    All modules are loaded before the conversation begins: a pause of its heartbeat would stop a motion.
+    """
+    import acromovi.sniffer.captured  # noqa: F401  # for `_show`
     from acromovi.known_agents import KnownAgents
     from agents.platform.acl import Performative
     from agents.platform.names import AgentName
