@@ -16,7 +16,8 @@ from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from bus.bus import Sample
 from bus.messages import NS_PER_S
 from recorder.mcap_file import DiskFull, McapFile
-from recorder.recording import McapRecording, McapRecordingError
+from recorder.recorded_file import McapRecordingError
+from recorder.recording import McapRecording
 from recorder.writer import RecordingWriter
 from tests.recorder.recordings import START, drive, odometry, read, sample
 
