@@ -150,6 +150,8 @@ def _reason(error: OSError, path: Path) -> str:
 
 def _show(recording: "McapRecording", as_json: bool) -> None:
     """Print what is in a recording."""
+    from recorder.channels import plain_text
+
     record: dict[str, Any] = {
         "files": [str(each) for each in recording.paths],
         "start": recording.start_ns / 1e9,
@@ -166,20 +168,15 @@ def _show(recording: "McapRecording", as_json: bool) -> None:
         return
     start = time.strftime("%Y-%m-%d %H:%M:%S", time.localtime(record["start"]))
     print(f"{', '.join(record['files'])}: {record['messages']} messages in {record['seconds']:.1f} s from {start}")
-    keys = [_plain(each["key"]) for each in record["channels"]]
-    types = [_plain(each["type"] or each["encoding"]) for each in record["channels"]]
+    keys = [plain_text(each["key"]) for each in record["channels"]]
+    types = [plain_text(each["type"] or each["encoding"]) for each in record["channels"]]
     for key, type_name, channel in zip(keys, types, record["channels"], strict=True):
         rate = channel["count"] / recording.duration if recording.duration else 0.0
         print(
             f"{key:<{max(map(len, keys))}}  {type_name:<{max(map(len, types))}}  {channel['count']:>7}  {rate:6.1f} Hz"
         )
     for note in recording.notes:
-        print(_plain(note))
-
-
-def _plain(text: str) -> str:
-    """A text of a file without what would move the cursor of a terminal."""
-    return "".join(each if each.isprintable() else "?" for each in text)
+        print(note)
 
 
 COMMAND = Subcommand(EPILOG, _add_arguments, _run)

@@ -151,7 +151,7 @@ class NamesInUse:
         from bus.errors import NameTaken
 
         if self._seen:
-            name = min(self._seen)
+            name = min(list(self._seen))  # a copy: the bus's thread may add one
             raise NameTaken(
                 f"{name} lives on this bus, so nothing recorded is published under its name; "
                 f"choose another name: --rename {name}=recorded, or another --bus"
@@ -229,11 +229,13 @@ class PlaybackKeys:
 
 
 def _summary(publisher: "PlaybackPublisher") -> str:
+    from recorder.channels import plain_text
+
     text = f"published {publisher.published} messages"
     if publisher.left_out:
-        few = sorted(publisher.left_out)[:3]
-        text += f"; nothing on {', '.join(few)}{' and others' if len(publisher.left_out) > 3 else ''}"
-        text += ", where robots and agents are told what to do"
+        few = [plain_text(each) for each in sorted(publisher.left_out)[:3]]
+        text += f"; left out {', '.join(few)}{' and others' if len(publisher.left_out) > 3 else ''}"
+        text += ", which are commands, or no keys of robots"
     return text
 
 

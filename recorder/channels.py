@@ -5,9 +5,11 @@ have no schema. Tokens are on a channel of their own, descriptions on the key on
 """
 
 import struct
+from functools import lru_cache
 
 from bus import keys
 from bus.bus import JSON, Sample
+from bus.errors import KeyNotValid
 from bus.messages import NS_PER_S
 
 FORMAT = 1
@@ -18,8 +20,14 @@ COMMANDING = frozenset({"acl", "cmd_vel", "cmd_vel_stamped", "command", "control
 """Chunks of keys on which programs are told to do something. Nothing recorded is ever published on such a key."""
 SLOWEST, FASTEST = 0.01, 100.0
 """Speeds of a playback, in recorded seconds per second."""
+LONGEST_QUOTE = 200  # characters of a text of a file
 _HEADED = struct.Struct("<iI")  # seconds and nanoseconds of a header's stamp, behind the four bytes of the encoding
 _LITTLE_ENDIAN = 1
+
+
+def plain_text(text: str) -> str:
+    """Return a text of a file as people see it: short, and without what would move the cursor of a terminal."""
+    return "".join(each if each.isprintable() else "?" for each in text[:LONGEST_QUOTE])
 
 
 def topic_of_key(key: str) -> str:
@@ -32,12 +40,18 @@ def key_of_topic(topic: str) -> str:
     return topic.removeprefix("/")
 
 
+@lru_cache(maxsize=10_000)
 def is_stream(key: str) -> bool:
     """Return whether samples on a key only tell something, so that they may be published again.
 
-    Descriptions and tokens are no samples on the bus, and a heartbeat would show life where there is none.
+    The key must be that of a robot or of another platform. Descriptions and tokens are no samples on the bus, and a
+    heartbeat would show life where there is none.
     """
     chunks = key.split("/")
+    try:
+        keys.robot_name(chunks[0])
+    except KeyNotValid:  # of a file of other programs
+        return False
     topic = keys.topic_of(key)
     if topic is keys.LEASE_STATE:
         return True

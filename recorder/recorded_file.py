@@ -23,10 +23,9 @@ from mcap.writer import MCAP0_MAGIC
 from bus.bus import CDR, JSON
 from bus.errors import BusError, MessageError
 from bus.messages import learn, prepare
-from recorder.channels import FORMAT
+from recorder.channels import FORMAT, plain_text
 
 LONGEST_RECORD = 1 << 30  # bytes; a record that claims more is damage
-LONGEST_QUOTE = 80  # characters of a text of the file
 LONGEST_CHUNK = 1 << 30  # bytes of a chunk when it is decompressed
 _FOOTER_SIZE = 9 + 8 + 8 + 4
 _BEHIND_CHECKED = 4 + len(MCAP0_MAGIC)  # bytes behind those that the checksum of the index covers
@@ -187,7 +186,7 @@ def _note_version(file: RecordedFile, record: McapRecord) -> None:
     if isinstance(record, Metadata) and record.name == "acromovi":
         version = record.metadata.get("format", "")
         if not version.isdecimal() or int(version) > FORMAT:
-            what = f"was written by a newer version of acromovi (format {_plain(version)!r}, known is {FORMAT})"
+            what = f"was written by a newer version of acromovi (format {plain_text(version)!r}, known is {FORMAT})"
             file.notes.append(f"{file.path} {what}; what is known of it is read")
 
 
@@ -280,13 +279,8 @@ def _choose_encodings(file: RecordedFile) -> None:
             unknown.append(channel.topic)
         file.encodings[number] = encoding
     if unknown:
-        few = ", ".join(_plain(each) for each in sorted(unknown)[:3]) + (" and others" if len(unknown) > 3 else "")
+        few = ", ".join(plain_text(each) for each in sorted(unknown)[:3]) + (" and others" if len(unknown) > 3 else "")
         file.notes.append(f"{file.path} has messages of unknown types on {few}; they are not decoded")
-
-
-def _plain(text: str) -> str:
-    """Return a text of a file as an error quotes it: short, and without what would move the cursor of a terminal."""
-    return "".join(each if each.isprintable() else "?" for each in text[:LONGEST_QUOTE])
 
 
 def _is_known(type_name: str, schema: Schema) -> bool:

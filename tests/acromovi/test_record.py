@@ -136,7 +136,7 @@ def test_a_replay_publishes_streams_under_another_name(tmp_path: Path, capsys: p
         assert main(words) == 0
         wait_until(lambda: len(heard) >= 40)
     assert {each.key for each in heard} == {"ghost/odom", "ghost/agents/base/results"}
-    assert "published 40 messages; nothing on happy/cmd_vel, where robots" in capsys.readouterr().out
+    assert "published 40 messages; left out happy/cmd_vel, which are commands" in capsys.readouterr().out
 
 
 def test_no_recording_is_published_under_the_name_of_a_live_robot(

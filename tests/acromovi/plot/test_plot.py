@@ -9,10 +9,12 @@ import pytest
 from rosbags.typesys import Stores, get_typestore
 
 from acromovi.__main__ import main
-from acromovi.plot.series import read_series, worst_each_second
+from acromovi.plot.figures import Background, PlottedRecording
+from acromovi.plot.series import RobotSeries, read_series, worst_each_second
 from bus.bus import Sample
 from bus.messages import Point, Pose, Time, header, placed, prepare, quaternion
 from bus.ros_msgs import TFMessage
+from geometry import Pose2D
 from recorder.recording import McapRecording, Recorded
 from recorder.writer import RecordingWriter
 from tests.recorder.recordings import START, drive, odometry, sample
@@ -74,9 +76,8 @@ def test_an_svg_names_the_robot_and_every_figure(
     assert any("drive.mcap: 4 s from" in (text or "") for text in texts)
 
 
-@pytest.mark.parametrize(("frame", "is_known"), [("happy/odom", True), ("map", False)])
-def test_a_recorded_grid_is_the_map(
-    frame: str, is_known: bool, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+def test_a_recorded_grid_is_the_map_and_a_robot_without_a_place_in_it_is_said_and_not_drawn(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path = tmp_path / "grid.mcap"
     prepare("nav_msgs/msg/OccupancyGrid")  # loads the standard types that robots do not use
@@ -84,7 +85,7 @@ def test_a_recorded_grid_is_the_map(
     origin = Pose(position=Point(x=-1.0, y=-1.0, z=0.0), orientation=quaternion(0.0))
     info = types["nav_msgs/msg/MapMetaData"](Time(0, 0), 0.5, 6, 4, origin)
     cells = np.full(24, -1, np.int8)
-    grid = types["nav_msgs/msg/OccupancyGrid"](header(START, frame), info, cells)
+    grid = types["nav_msgs/msg/OccupancyGrid"](header(START, "map"), info, cells)
     writer = RecordingWriter(path, "test")
     writer.add(sample("happy/map", grid), START)
     writer.add(sample("happy/odom", odometry("happy", 0.0, START)), START + 1)
@@ -92,7 +93,10 @@ def test_a_recorded_grid_is_the_map(
     output = tmp_path / "grid.svg"
     assert main(["plot", str(path), "--output", str(output)]) == 0
     assert "<image" in output.read_text()
-    assert ("where happy began in the map is not known" in capsys.readouterr().err) == (not is_known)
+    assert "where happy began in the map is not known; say it: --at happy=X,Y,DEG" in capsys.readouterr().err
+    robots = [RobotSeries("happy", path=[(0.0, Pose2D(0.0, 0.0, 0.0))])]
+    own = PlottedRecording("own", robots, Background(grid=Background.of_grid(grid).grid, frame="happy/odom"), {})
+    assert own.not_in_map() == []
 
 
 def test_a_folder_has_a_file_for_each_figure(recording: Path, tmp_path: Path) -> None:
@@ -105,13 +109,6 @@ def test_a_folder_has_a_file_for_each_figure(recording: Path, tmp_path: Path) ->
         "speeds.png",
         "turns.png",
     ]
-
-
-def test_over_a_map_a_robot_without_a_known_start_is_said_and_not_drawn(
-    recording: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert main(["plot", str(recording), "--output", str(tmp_path / "a.svg"), "--map", str(_map(tmp_path))]) == 0
-    assert "where happy began in the map is not known; say it: --at happy=X,Y,DEG" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(
