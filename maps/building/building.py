@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from geometry import Cairn, Pose2D
-from maps.building.evidence import Evidence, gathered
+from maps.building.evidence import Evidence, EvidenceGatherer
 from maps.building.laser_builder import KeyScan
 from maps.building.lines import fitted, thinned
 from maps.building.readings import moved, turned
@@ -23,26 +23,28 @@ def grid_of_evidence(evidence: Evidence) -> OccupancyGrid:
     return OccupancyGrid(evidence.occupancy(), evidence.resolution, Pose2D(*evidence.low, 0.0))
 
 
-def evidence_of(keys: Sequence[KeyScan], resolution: float = RESOLUTION) -> Evidence:
-    """Count hits and passes of key scans.
+def evidence_of(keys: Sequence[KeyScan], gatherer: EvidenceGatherer) -> Evidence:
+    """Count hits and passes of key scans; the gatherer remembers those that it has counted.
 
     Raises:
         ValueError: There is none.
     """
-    return gathered(((key.pose, key.view) for key in keys), resolution)
+    return gatherer.gathered([(key.pose, key.view) for key in keys])
 
 
-def map_of(keys: Sequence[KeyScan], base: BuildingMap | None = None, resolution: float = RESOLUTION) -> BuildingMap:
+def map_of(
+    keys: Sequence[KeyScan], base: BuildingMap | None = None, gatherer: EvidenceGatherer | None = None
+) -> BuildingMap:
     """Make a map of key scans; what people and other moving bodies have left is not in it.
 
     Args:
         keys: At least one.
         base: The map that they extend: what they have not seen anew stays, what they have seen through goes.
-        resolution: Of the grid, m.
+        gatherer: That has counted earlier scans of these.
     Raises:
         ValueError: There is no key scan.
     """
-    evidence = evidence_of(keys, resolution)
+    evidence = evidence_of(keys, gatherer or EvidenceGatherer(RESOLUTION))
     points = np.concatenate([moved(key.view.points, key.pose) for key in keys])
     normals = np.concatenate([turned(key.normals, key.pose.heading) for key in keys])
     standing = evidence.standing(points)
@@ -51,4 +53,4 @@ def map_of(keys: Sequence[KeyScan], base: BuildingMap | None = None, resolution:
     left, _, _ = thinned(points[apart], normals[apart]) if apart.any() else (np.empty((0, 2)), None, None)
     home = Cairn(HOME, keys[0].pose, "")
     made = BuildingMap(tuple(lines), left, grid_of_evidence(evidence), (home,))
-    return made if base is None else joined(base, made, resolution)
+    return made if base is None else joined(base, made, evidence.resolution)

@@ -4,14 +4,16 @@ Each view counts a cell once, as passed or as hit. A person who walked past was 
 others; walls are hit whenever they are looked at.
 """
 
-from collections.abc import Iterable
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from geometry import Pose2D
+from geometry import Pose2D, wrap_angle
 from maps.building.readings import Floats, View, moved
+
+Cells = NDArray[np.int64]
 
 UNKNOWN = -1
 ROOM = 0.5
@@ -57,33 +59,71 @@ class Evidence:
         return wide[rows, columns]
 
 
-def gathered(views: Iterable[tuple[Pose2D, View]], resolution: float = 0.05) -> Evidence:
-    """Count hits and passes of views, each with its pose in `map`.
+class EvidenceGatherer:
+    """Counts hits and passes of views that are added while a map is built, and whose poses are corrected.
 
-    Raises:
-        ValueError: There is no view.
+    The cells of a view are kept, and found anew only if its pose has moved by a good part of a cell.
     """
-    beams = [(moved(view.origins, pose), moved(view.points, pose)) for pose, view in views]
-    if not beams:
-        raise ValueError("no view was given; a grid needs one at least")
-    everything = np.concatenate([each for pair in beams for each in pair])
-    low = np.floor((everything.min(axis=0) - ROOM) / resolution) * resolution
-    columns, rows = (np.ceil((everything.max(axis=0) + ROOM - low) / resolution)).astype(np.int64)
-    hits = np.zeros(rows * columns, np.int32)
-    passes = np.zeros(rows * columns, np.int32)
-    for origins, points in beams:
-        ended = np.unique(_cells(points, low, resolution, columns))
-        hits[ended] += 1
-        passed = np.setdiff1d(_cells(_along(origins, points, resolution), low, resolution, columns), ended)
-        passes[passed] += 1
-    shape = (int(rows), int(columns))
-    return Evidence(hits.reshape(shape), passes.reshape(shape), (float(low[0]), float(low[1])), resolution)
+
+    def __init__(self, resolution: float = 0.05) -> None:
+        self._resolution = resolution
+        self._counted: list[tuple[Pose2D, Cells, Cells]] = []  # pose, and columns and rows that were hit and passed
+
+    def gathered(self, views: Sequence[tuple[Pose2D, View]]) -> Evidence:
+        """Count hits and passes.
+
+        Args:
+            views: With their poses in `map`; those of the call before, at the same places, and new ones behind them.
+        Raises:
+            ValueError: There is no view.
+        """
+        if not views:
+            raise ValueError("no view was given; a grid needs one at least")
+        for number, (pose, view) in enumerate(views):
+            if number == len(self._counted):
+                self._counted.append((pose, *self._cells(pose, view)))
+            elif _is_apart(pose, self._counted[number][0], self._resolution):
+                self._counted[number] = pose, *self._cells(pose, view)
+        hit = np.concatenate([each for _, each, _ in self._counted])
+        passed = np.concatenate([each for _, _, each in self._counted])
+        margin = int(np.ceil(ROOM / self._resolution))
+        low = hit.min(axis=0) - margin
+        columns, rows = hit.max(axis=0) - low + margin + 1
+        inside = passed[((passed >= low) & (passed < low + np.array([columns, rows]))).all(axis=1)]
+        shape = int(rows), int(columns)
+        corner = float(low[0] * self._resolution), float(low[1] * self._resolution)
+        return Evidence(_counts(hit - low, shape), _counts(inside - low, shape), corner, self._resolution)
+
+    def _cells(self, pose: Pose2D, view: View) -> tuple[Cells, Cells]:
+        """Columns and rows of the cells that a view hits, and of those that it passes; shape (n, 2)."""
+        origins, points = moved(view.origins, pose), moved(view.points, pose)
+        hit = np.floor(points / self._resolution).astype(np.int64)
+        along = np.floor(_along(origins, points, self._resolution) / self._resolution).astype(np.int64)
+        low = np.minimum(hit.min(axis=0), along.min(axis=0)) if len(along) else hit.min(axis=0)
+        high = np.maximum(hit.max(axis=0), along.max(axis=0)) if len(along) else hit.max(axis=0)
+        columns, rows = high - low + 1
+        marked = np.zeros((rows, columns), np.int8)
+        marked[along[:, 1] - low[1], along[:, 0] - low[0]] = 1
+        marked[hit[:, 1] - low[1], hit[:, 0] - low[0]] = 2
+        return _chosen(marked == 2, low), _chosen(marked == 1, low)
 
 
-def _cells(points: Floats, low: Floats, resolution: float, columns: int) -> NDArray[np.int64]:
-    at = np.floor((points - low) / resolution).astype(np.int64)
-    result: NDArray[np.int64] = at[:, 1] * columns + at[:, 0]
-    return result
+def _counts(cells: Cells, shape: tuple[int, int]) -> NDArray[np.int32]:
+    """How often each cell is among some cells (column, row)."""
+    rows, columns = shape
+    counted = np.bincount(cells[:, 1] * columns + cells[:, 0], minlength=rows * columns)
+    return counted.astype(np.int32).reshape(shape)
+
+
+def _chosen(mask: NDArray[np.bool_], low: Cells) -> Cells:
+    rows, columns = np.nonzero(mask)
+    return np.stack((columns, rows), axis=1) + low
+
+
+def _is_apart(pose: Pose2D, other: Pose2D, resolution: float) -> bool:
+    """Whether two poses are so far apart that a view from them has other cells."""
+    way = abs(pose.x - other.x) + abs(pose.y - other.y)
+    return way > resolution / 4.0 or abs(wrap_angle(pose.heading - other.heading)) > 0.1 * resolution
 
 
 def _along(origins: Floats, points: Floats, resolution: float) -> Floats:

@@ -152,7 +152,7 @@ class LaserMapBuilder:
 
     def refine(self, rounds: int = 2) -> None:
         """Match all key scans that see the same walls, and find the poses that agree best with all of that."""
-        for _ in range(rounds):
+        for _ in range(rounds if len(self.keys) > 1 else 0):
             edges = [edge for edge in self.edges if not edge.may_be_false] + self._agreements()
             edges += [edge for number in range(len(self.keys)) for edge in self._held_to_base(number)]
             self._set_poses(self._optimised(edges))

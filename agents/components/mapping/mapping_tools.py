@@ -23,6 +23,7 @@ from bus.messages import (
 from bus.ros_msgs import MapMetaData, OccupancyGridMessage, Point
 from geometry import Pose2D
 from maps.building.building import evidence_of, grid_of_evidence, map_of
+from maps.building.evidence import EvidenceGatherer
 from maps.building.laser_builder import LaserMapBuilder
 from maps.building.readings import LaserReading, Mount, OdometryTrack, laser_view
 from maps.building.surfaces import surface_points
@@ -62,6 +63,7 @@ class MapWork:
         origin = start or (base.home if base is not None else None) or Pose2D()
         surfaces = None if base is None else surface_points(base)
         self._builder = LaserMapBuilder(settings.laser, origin, surfaces)
+        self._gatherer = EvidenceGatherer(settings.output.resolution_m)
         self._waiting: list[LaserReading] = []  # for the odometry after them
 
     def take(self, samples: Iterable[Sample]) -> bool:
@@ -145,7 +147,7 @@ class MapWork:
         Raises:
             ValueError: Nothing has been seen yet.
         """
-        return grid_of_evidence(evidence_of(self._builder.keys, self._settings.output.resolution_m))
+        return grid_of_evidence(evidence_of(self._builder.keys, self._gatherer))
 
     def map(self) -> BuildingMap:
         """Return the map so far, with lines.
@@ -153,7 +155,7 @@ class MapWork:
         Raises:
             ValueError: Nothing has been seen yet.
         """
-        return map_of(self._builder.keys, self._base, self._settings.output.resolution_m)
+        return map_of(self._builder.keys, self._base, self._gatherer)
 
 
 def grid_message(grid: OccupancyGrid, stamp: int) -> OccupancyGridMessage:
