@@ -10,7 +10,7 @@ from agents.platform.errors import RequestNotDone
 from bus import keys
 from bus.bus import Bus
 from geometry import Point, Pose2D
-from maps.building.exploring import Explorer, Mission, Order, Sight
+from maps.building.exploring import Explorer, ExploringOrder, MissionStanding, RobotSight
 from maps.building.merging import NoOverlap, placed
 from maps.building_map import BuildingMap
 
@@ -22,7 +22,7 @@ MEETING_PERIOD = 15.0  # s between two attempts to place the maps of two robots
 TOLERANCE = 0.3  # m from a frontier that count as reached
 BESIDE = 0.05  # m left beside the robot
 WIDTH = 0.5  # m of a robot that does not describe itself
-STATES = {"done": Mission.DONE, "failed": Mission.FAILED}
+STATES = {"done": MissionStanding.DONE, "failed": MissionStanding.FAILED}
 STOPPED = ("cancelled", "replaced")
 ARRIVING = 3.0  # s in which an order reaches path planning
 
@@ -67,7 +67,7 @@ class ExploringTeam:
         for robot in self._grids.robots:
             grid, pose = self._grids.grid(robot), self._grids.poses.get(robot)
             if grid is not None and pose is not None:
-                sights[robot] = Sight(grid, pose, await self._mission(robot))
+                sights[robot] = RobotSight(grid, pose, await self._mission(robot))
         if len(sights) < len(self._grids.robots):
             return False
         await self._meet(now, sights)
@@ -79,31 +79,31 @@ class ExploringTeam:
         """Cancel what robots do; a robot whose navigation does not answer stops at the end of its mission."""
         for robot in list(self._missions):
             with suppress(Exception):
-                await self._send(robot, Order(None))
+                await self._send(robot, ExploringOrder(None))
 
-    async def _mission(self, robot: str) -> Mission:
+    async def _mission(self, robot: str) -> MissionStanding:
         """How the mission of a robot stands.
 
         Raises:
             RequestNotDone: Another program has cancelled or replaced it: whoever did wants the robot elsewhere.
         """
         if robot not in self._missions:
-            return Mission.NONE
+            return MissionStanding.NONE
         name, sent_at = self._missions[robot]
         if not name:
-            return Mission.FAILED  # the goal was refused
+            return MissionStanding.FAILED  # the goal was refused
         outcome = await self._agent.request(self._interfaces[robot], "state", reply_within=REPLY)
         told: dict[str, Any] = outcome.result if outcome.is_done else {"mission": name}
         state = str(told.get("state"))
         is_other = told.get("mission") != name
         if is_other and asyncio.get_running_loop().time() - sent_at < ARRIVING:
-            return Mission.ACTIVE
+            return MissionStanding.ACTIVE
         if is_other or state in STOPPED:
             del self._missions[robot]
             raise RequestNotDone(f"another program has {state if not is_other else 'replaced'} the mission of {robot}")
-        return STATES.get(state, Mission.ACTIVE)
+        return STATES.get(state, MissionStanding.ACTIVE)
 
-    async def _send(self, robot: str, order: Order) -> None:
+    async def _send(self, robot: str, order: ExploringOrder) -> None:
         """Send a robot to a place of its map, by its odometry; or let it stop."""
         interface = self._interfaces[robot]
         if order.goal is None:
@@ -115,7 +115,7 @@ class ExploringTeam:
         name = outcome.result["mission"] if outcome.is_done else ""
         self._missions[robot] = name, asyncio.get_running_loop().time()
 
-    async def _meet(self, now: float, sights: dict[str, Sight]) -> None:
+    async def _meet(self, now: float, sights: dict[str, RobotSight]) -> None:
         """Find how the maps of others lie in the first one's, as soon as they show the same rooms."""
         others = [robot for robot in sights if robot not in self._frames]
         if not others or now - self._met_at < MEETING_PERIOD:

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geometry import Pose2D, wrap_angle
-from maps.building.readings import Floats, View, moved
+from maps.building.readings import BeamView, Floats, moved
 
 Cells = NDArray[np.int64]
 
@@ -69,7 +69,7 @@ class EvidenceGatherer:
         self._resolution = resolution
         self._counted: list[tuple[Pose2D, Cells, Cells]] = []  # pose, and columns and rows that were hit and passed
 
-    def gathered(self, views: Sequence[tuple[Pose2D, View]]) -> Evidence:
+    def gathered(self, views: Sequence[tuple[Pose2D, BeamView]]) -> Evidence:
         """Count hits and passes.
 
         Args:
@@ -94,7 +94,7 @@ class EvidenceGatherer:
         corner = float(low[0] * self._resolution), float(low[1] * self._resolution)
         return Evidence(_counts(hit - low, shape), _counts(inside - low, shape), corner, self._resolution)
 
-    def _cells(self, pose: Pose2D, view: View) -> tuple[Cells, Cells]:
+    def _cells(self, pose: Pose2D, view: BeamView) -> tuple[Cells, Cells]:
         """Columns and rows of the cells that a view hits, and of those that it passes; shape (n, 2)."""
         origins, points = moved(view.origins, pose), moved(view.points, pose)
         hit = np.floor(points / self._resolution).astype(np.int64)

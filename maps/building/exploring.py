@@ -31,7 +31,7 @@ LATE = 90.0
 """s after which a mission to a frontier is given up."""
 
 
-class Mission(StrEnum):
+class MissionStanding(StrEnum):
     """How the mission that a robot was last sent on stands."""
 
     NONE = "none"
@@ -41,16 +41,16 @@ class Mission(StrEnum):
 
 
 @dataclass(frozen=True, slots=True)
-class Sight:
+class RobotSight:
     """What is known of one robot: its map, where it is in it, m and rad, and its mission."""
 
     grid: OccupancyGrid
     pose: Pose2D
-    mission: Mission
+    mission: MissionStanding
 
 
 @dataclass(frozen=True, slots=True)
-class Order:
+class ExploringOrder:
     """What a robot is to do: go to a place of its own map, m; or cancel what it does, without a place."""
 
     goal: Point | None
@@ -84,8 +84,8 @@ class Explorer:
         return {name: each.frontier.middle for name, each in self._members.items() if each.frontier is not None}
 
     def decide(
-        self, now: float, sights: Mapping[str, Sight], frames: Mapping[str, Pose2D] | None = None
-    ) -> dict[str, Order]:
+        self, now: float, sights: Mapping[str, RobotSight], frames: Mapping[str, Pose2D] | None = None
+    ) -> dict[str, ExploringOrder]:
         """Decide anew.
 
         Args:
@@ -106,14 +106,14 @@ class Explorer:
                 orders[name] = order
         return orders
 
-    def _decide(self, now: float, member: _Member, sight: Sight, team: "_Team") -> Order | None:
+    def _decide(self, now: float, member: _Member, sight: RobotSight, team: "_Team") -> ExploringOrder | None:
         was_driving = member.frontier is not None
         if member.frontier is not None:
             is_late = now - member.began > LATE
-            if sight.mission is Mission.FAILED or is_late:
+            if sight.mission is MissionStanding.FAILED or is_late:
                 member.failures.append(member.frontier.middle)
-            if sight.mission is not Mission.ACTIVE or is_late:
-                if sight.mission is Mission.DONE:
+            if sight.mission is not MissionStanding.ACTIVE or is_late:
+                if sight.mission is MissionStanding.DONE:
                     member.failures.append(member.frontier.middle)  # if it is still one, looking again shows no more
                 member.frontier = None
         left = frontiers(team.grid(), (sight.pose.x, sight.pose.y), self._radius)
@@ -125,10 +125,10 @@ class Explorer:
         member.is_finished = not free and not (taken and left)
         if not free:
             member.frontier = None
-            return Order(None) if was_driving and sight.mission is Mission.ACTIVE else None
+            return ExploringOrder(None) if was_driving and sight.mission is MissionStanding.ACTIVE else None
         member.frontier = min(free, key=lambda each: _cost(each) + team.penalty(each))
         member.began = now
-        return Order(member.frontier.goal)
+        return ExploringOrder(member.frontier.goal)
 
     def _may(self, member: _Member, frontier: Frontier) -> bool:
         return sum(dist(frontier.middle, failed) < SAME for failed in member.failures) < MOST_FAILURES
@@ -144,7 +144,9 @@ class Explorer:
 class _Team:
     """One robot's view of the others whose maps lie in the same frame."""
 
-    def __init__(self, name: str, sight: Sight, others: Mapping[str, Sight], frames: Mapping[str, Pose2D]) -> None:
+    def __init__(
+        self, name: str, sight: RobotSight, others: Mapping[str, RobotSight], frames: Mapping[str, Pose2D]
+    ) -> None:
         self._sight = sight
         self.others = others
         self._frames = {other: frames[other].relative_to(frames[name]) for other in others}

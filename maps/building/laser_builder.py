@@ -11,8 +11,8 @@ import numpy as np
 
 from geometry import Pose2D, wrap_angle
 from maps.building.pose_graph import Edge, optimised, weights
-from maps.building.readings import Floats, View
-from maps.building.scan_matching import Match, PointField, field_of, scan_normals
+from maps.building.readings import BeamView, Floats
+from maps.building.scan_matching import Match, SurfaceField, field_of, scan_normals
 
 FEWEST = 30
 """Fewest echoes of a scan that is used."""
@@ -63,7 +63,7 @@ class MappingSettings:
 class KeyScan:
     """A scan that is kept: what was seen, normals, pose in `map`, and how far the robot had driven, m."""
 
-    view: View
+    view: BeamView
     normals: Floats
     pose: Pose2D
     driven: float
@@ -87,7 +87,7 @@ class LaserMapBuilder:
             base: Points and normals of the map that is extended, as of `surface_points`.
         """
         self.settings = settings or MappingSettings()
-        self._base = None if base is None else PointField(*base, one_sided=False)
+        self._base = None if base is None else SurfaceField(*base, one_sided=False)
         self.keys: list[KeyScan] = []
         self.edges: list[Edge] = []
         self.loops = 0
@@ -97,7 +97,7 @@ class LaserMapBuilder:
         self._reference = 0  # key scan that the latest pose is measured from
         self._driven = 0.0
         self._since_loop = 0.0  # m driven when a loop was last closed
-        self._field: tuple[tuple[int, ...], PointField] | None = None
+        self._field: tuple[tuple[int, ...], SurfaceField] | None = None
 
     @property
     def pose(self) -> Pose2D:
@@ -116,7 +116,7 @@ class LaserMapBuilder:
             return self._origin
         return self._pose.compose(Pose2D().relative_to(self._odometry))
 
-    def add(self, view: View) -> bool:
+    def add(self, view: BeamView) -> bool:
         """Take a scan.
 
         Returns:
@@ -157,7 +157,7 @@ class LaserMapBuilder:
             edges += [edge for number in range(len(self.keys)) for edge in self._held_to_base(number)]
             self._set_poses(self._optimised(edges))
 
-    def _begin(self, view: View) -> None:
+    def _begin(self, view: BeamView) -> None:
         """Take the first scan."""
         normals = scan_normals(view.points, view.origins)
         if self._base is not None:
@@ -227,7 +227,7 @@ class LaserMapBuilder:
 
         return sorted(reached, key=away)[: self.settings.most_near]
 
-    def _matched(self, view: View, normals: Floats, guess: Pose2D) -> Match | None:
+    def _matched(self, view: BeamView, normals: Floats, guess: Pose2D) -> Match | None:
         """The pose of a scan relative to the reference, from those near it."""
         near = tuple(self._near(self._reference))
         origin = self.keys[self._reference].pose
@@ -237,7 +237,7 @@ class LaserMapBuilder:
         prior = self._odometry_information(start)
         return self._field[1].align(view.points, normals, start, prior)
 
-    def _field_from(self, origin: Pose2D, numbers: tuple[int, ...] | list[int]) -> PointField:
+    def _field_from(self, origin: Pose2D, numbers: tuple[int, ...] | list[int]) -> SurfaceField:
         keys = [self.keys[number] for number in numbers]
         parts = [(key.pose.relative_to(origin), key.view.points, key.normals) for key in keys]
         if self._base is not None:
@@ -252,7 +252,7 @@ class LaserMapBuilder:
         turn = 0.01 + self.settings.odometry_turn * (abs(step.heading) + 0.5 * length)
         return np.diag([along**-2, along**-2, turn**-2])
 
-    def _keep(self, view: View, normals: Floats, match: Match | None) -> None:
+    def _keep(self, view: BeamView, normals: Floats, match: Match | None) -> None:
         """Add a key scan, held to the reference."""
         number = len(self.keys)
         self.keys.append(KeyScan(view, normals, self._pose, self._driven))
@@ -319,7 +319,7 @@ class LaserMapBuilder:
         """Edges between all key scans that see the same walls, by their present poses."""
         edges = []
         positions = np.array([(key.pose.x, key.pose.y) for key in self.keys])
-        fields: dict[int, PointField] = {}
+        fields: dict[int, SurfaceField] = {}
         for number, key in enumerate(self.keys):
             away = np.hypot(*(positions[:number] - positions[number]).T)
             near = np.flatnonzero(away < 0.8 * self.settings.near)
@@ -328,7 +328,7 @@ class LaserMapBuilder:
                 if share < 0.3:
                     break
                 if other not in fields:
-                    fields[other] = PointField(self.keys[other].view.points, self.keys[other].normals)
+                    fields[other] = SurfaceField(self.keys[other].view.points, self.keys[other].normals)
                 start = key.pose.relative_to(self.keys[other].pose)
                 match = fields[other].align(key.view.points, key.normals, start, coarsest=0.08)
                 if match is not None and match.overlap > 0.3:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from geometry import Pose2D
 from maps.building.readings import Floats, moved, turned
-from maps.building.scan_matching import PointField
+from maps.building.scan_matching import SurfaceField
 from maps.building.surfaces import joined, map_at, surface_points
 from maps.building_map import BuildingMap
 from maps.rasterization import grid_of
@@ -71,7 +71,7 @@ def placed(first: BuildingMap, second: BuildingMap) -> Placement:
     theirs, facing = _known(second)
     if min(len(points), len(theirs)) < 50:
         raise NoOverlap("a map with hardly any walls cannot be placed; build it further")
-    field = PointField(points, normals, one_sided=False)
+    field = SurfaceField(points, normals, one_sided=False)
     judge = _Judge(first, second, theirs)
     found = []
     for guess in _guesses(points, theirs):
@@ -96,7 +96,7 @@ class _Judge:
         self._theirs = theirs
         self._ours = _known(first)[0]
 
-    def placement(self, pose: Pose2D, field: PointField) -> Placement:
+    def placement(self, pose: Pose2D, field: SurfaceField) -> Placement:
         at = moved(self._theirs, pose)
         nearest = field.nearest(at)
         near = (nearest >= 0) & (np.hypot(*(field.points[nearest] - at).T) < 0.08)

@@ -27,7 +27,7 @@ class Mount(NamedTuple):
 
 
 @dataclass(frozen=True, slots=True)
-class LaserReading:
+class ScanReading:
     """A scan: stamp of its first beam, s; rad of the first beam, rad and s from one to the next; ranges, m.
 
     A range that is not finite was not measured.
@@ -41,7 +41,7 @@ class LaserReading:
 
 
 @dataclass(frozen=True, slots=True)
-class View:
+class BeamView:
     """What was seen from one pose.
 
     pose: Of the robot in `odom`.
@@ -85,7 +85,7 @@ class OdometryTrack:
         return np.stack([np.interp(stamps, table[:, 0], column) for column in table[:, 1:].T], axis=1)
 
 
-def laser_view(reading: LaserReading, mount: Mount, track: OdometryTrack) -> View | None:
+def laser_view(reading: ScanReading, mount: Mount, track: OdometryTrack) -> BeamView | None:
     """Return the echoes of a scan from the pose at its middle beam; None without odometry, or without an echo."""
     numbers = np.flatnonzero(np.isfinite(reading.ranges) & (reading.ranges < FARTHEST) & (reading.ranges > 0.05))
     if not len(numbers):
@@ -104,7 +104,7 @@ def laser_view(reading: LaserReading, mount: Mount, track: OdometryTrack) -> Vie
     starts = np.broadcast_to(np.array([mount.x, mount.y]), ends.shape)
     pose = Pose2D(poses[1, 0], poses[1, 1], wrap_angle(poses[1, 2]))
     along = turned(moved[:, :2], -pose.heading)
-    return View(float(stamps[1]), pose, along + turned(starts, moved[:, 2]), along + turned(ends, moved[:, 2]))
+    return BeamView(float(stamps[1]), pose, along + turned(starts, moved[:, 2]), along + turned(ends, moved[:, 2]))
 
 
 def turned(points: Floats, angle: float | Floats) -> Floats:

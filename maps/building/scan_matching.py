@@ -58,7 +58,7 @@ class Match:
         return bool(np.linalg.eigvalsh(self.information[:2, :2])[0] > 1.5 / SIGMA**2 / 2.0)
 
 
-class PointField:
+class SurfaceField:
     """Points with normals, ready for scans to be matched with them."""
 
     def __init__(self, points: Floats, normals: Floats, *, one_sided: bool = True) -> None:
@@ -223,11 +223,11 @@ def scan_normals(points: Floats, origins: Floats) -> Floats:
     return result
 
 
-def field_of(parts: list[tuple[Pose2D, Floats, Floats]], *, one_sided: bool = True) -> PointField:
-    """Make one field of several scans: pose, points and normals of each; `one_sided` as for `PointField`."""
+def field_of(parts: list[tuple[Pose2D, Floats, Floats]], *, one_sided: bool = True) -> SurfaceField:
+    """Make one field of several scans: pose, points and normals of each; `one_sided` as for `SurfaceField`."""
     points = np.concatenate([moved(points, pose) for pose, points, _ in parts])
     normals = np.concatenate([turned(normals, pose.heading) for pose, _, normals in parts])
-    return PointField(points, normals, one_sided=one_sided)
+    return SurfaceField(points, normals, one_sided=one_sided)
 
 
 @cache

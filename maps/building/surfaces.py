@@ -131,12 +131,12 @@ def _wide(grid: OccupancyGrid) -> OccupancyGrid:
 
 def _facing_as(points: Floats, normals: Floats, others: Floats, theirs: Floats) -> Floats:
     """Turn normals round where another map has seen the surface from the other side only."""
-    from maps.building.scan_matching import PointField
+    from maps.building.scan_matching import SurfaceField
 
     known = np.isfinite(theirs[:, 0])
     if not known.any() or not len(points):
         return normals
-    field = PointField(others[known], theirs[known])
+    field = SurfaceField(others[known], theirs[known])
     found = field.nearest(points)
     near = (found >= 0) & (np.hypot(*(field.points[found] - points).T) < TOGETHER)
     against = near & ((field.normals[found] * np.nan_to_num(normals)).sum(axis=1) < 0.0)

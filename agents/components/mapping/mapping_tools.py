@@ -25,7 +25,7 @@ from geometry import Pose2D
 from maps.building.building import evidence_of, grid_of_evidence, map_of
 from maps.building.evidence import EvidenceGatherer
 from maps.building.laser_builder import LaserMapBuilder
-from maps.building.readings import LaserReading, Mount, OdometryTrack, laser_view
+from maps.building.readings import Mount, OdometryTrack, ScanReading, laser_view
 from maps.building.surfaces import surface_points
 from maps.building_map import BuildingMap
 from maps.occupancy import OccupancyGrid
@@ -64,7 +64,7 @@ class MapWork:
         surfaces = None if base is None else surface_points(base)
         self._builder = LaserMapBuilder(settings.laser, origin, surfaces)
         self._gatherer = EvidenceGatherer(settings.output.resolution_m)
-        self._waiting: list[LaserReading] = []  # for the odometry after them
+        self._waiting: list[ScanReading] = []  # for the odometry after them
 
     def take(self, samples: Iterable[Sample]) -> bool:
         """Take messages of odometry and laser in their order.
@@ -92,7 +92,7 @@ class MapWork:
             self._track.add(stamp_ns(message.header) / NS_PER_S, pose)
         elif isinstance(message, LaserScan):
             self._waiting.append(
-                LaserReading(
+                ScanReading(
                     stamp_ns(message.header) / NS_PER_S,
                     message.angle_min,
                     message.angle_increment,

@@ -7,7 +7,7 @@ from math import atan2, cos, hypot, sin
 import numpy as np
 
 from geometry import Point, Pose2D, Segment, wrap_angle
-from maps.building.readings import Floats, View
+from maps.building.readings import BeamView, Floats
 
 BEARINGS = np.radians(np.arange(-90.0, 90.5, 1.0))
 REACH = 20.0
@@ -77,7 +77,7 @@ def poses_along(way: Sequence[Point], step: float = 0.25) -> Iterator[Pose2D]:
 
 def drive(
     walls: Sequence[Segment], way: Sequence[Point], seed: int, drift: float = 0.02, origin: Pose2D | None = None
-) -> Iterator[tuple[Pose2D, View]]:
+) -> Iterator[tuple[Pose2D, BeamView]]:
     """True poses and views along a way; each metre and each radian err by `drift`, and always to the same side.
 
     origin: in which odometry begins.
@@ -94,4 +94,4 @@ def drive(
         ranges = scan(walls, pose, rng)
         seen = np.isfinite(ranges)
         points = ranges[seen, None] * np.stack((np.cos(BEARINGS[seen]), np.sin(BEARINGS[seen])), axis=1)
-        yield pose, View(0.1 * number, odometry, np.zeros_like(points), points)
+        yield pose, BeamView(0.1 * number, odometry, np.zeros_like(points), points)
