@@ -3,13 +3,14 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
 from acromovi.lockstep import Lockstep
 from bus import Sample, keys
 from bus.messages import decode, twist
-from geometry import Point, Pose2D
+from geometry import Point, Polygon, Pose2D
 from p2os_emu.world import WorldSpec
 from p2os_emu.world.free_space import FreeSpace
 from p2os_emu.world.shortest_path import path_in
@@ -28,12 +29,16 @@ class Heard:
     """What came on the bus, in its order, and where the robot truly was meanwhile.
 
     messages: of odometry, laser and sonar. truth: s, m, m, rad, ten times a second, in the world's frame.
+    standing: outlines of what else than walls and furniture stood about in the end, such as leaves of doors.
+    description: of the robot.
     """
 
     start: Pose2D
     messages: list[object] = field(default_factory=list)
     truth: list[tuple[float, float, float, float]] = field(default_factory=list)
     missed: list[Point] = field(default_factory=list)
+    standing: list[Polygon] = field(default_factory=list)
+    description: dict[str, Any] = field(default_factory=dict)
 
 
 def survey(
@@ -60,6 +65,7 @@ def survey(
         for topic in (keys.ODOM, keys.SCAN, keys.SONAR):
             bus.subscribe(topic.key(ROBOT), hear)
         lockstep.run(CONNECTING)
+        heard.description = dict(bus.query(keys.DESCRIPTION.key(ROBOT))[0].value)
         space = FreeSpace(world, RADII.get(model, 0.25) + BESIDE)
         left = [place for place in places if space.is_free(place)]
         while True:
@@ -75,6 +81,8 @@ def survey(
             else:
                 _follow(lockstep, heard, way.points[1:])
             if not left:
+                moving = lockstep.world.moving
+                heard.standing = [each.footprint for each in moving if each.name != ROBOT]
                 return heard
             left.remove(goal)
 

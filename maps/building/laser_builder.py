@@ -11,15 +11,21 @@ import numpy as np
 
 from geometry import Pose2D, wrap_angle
 from maps.building.pose_graph import Edge, optimised, weights
-from maps.building.readings import BeamView, Floats
-from maps.building.scan_matching import Match, SurfaceField, field_of, scan_normals
+from maps.building.readings import BeamView, Floats, moved
+from maps.building.scan_matching import Integers, Match, SurfaceField, field_of, scan_normals
 
 FEWEST = 30
 """Fewest echoes of a scan that is used."""
+SQUARE, ROWS = 0.25, 1_000_003
+"""m of the squares by which it is estimated what two key scans share; and numbers from one column to the next."""
+MOST_SHARED = 6
+"""Earlier key scans that each is matched with in the end, those that share most."""
 BASE = -1
 """Number of the map that is extended, as the first end of an edge."""
 AROUND = 12.0
 """m within which a scan is matched with the map that is extended."""
+AGREES, AGREES_TURN = 0.025, 0.006
+"""m and rad by which a loop may disagree without all poses being improved at once."""
 JUMP, JUMP_TURN = 1.0, 1.0
 """m and rad between two scans from which on odometry was set anew: no robot drives so far meanwhile."""
 
@@ -150,7 +156,7 @@ class LaserMapBuilder:
         self._close_loops(len(self.keys) - 1)
         return True
 
-    def refine(self, rounds: int = 2) -> None:
+    def refine(self, rounds: int = 1) -> None:
         """Match all key scans that see the same walls, and find the poses that agree best with all of that."""
         for _ in range(rounds if len(self.keys) > 1 else 0):
             edges = [edge for edge in self.edges if not edge.may_be_false] + self._agreements()
@@ -192,9 +198,9 @@ class LaserMapBuilder:
         return [Edge(BASE, number, match.pose, match.information, may_be_false=True)]
 
     def _is_away(self, pose: Pose2D, other: Pose2D) -> bool:
-        moved = pose.relative_to(other)
+        step = pose.relative_to(other)
         settings = self.settings
-        return bool(np.hypot(moved.x, moved.y) > settings.key_distance or abs(moved.heading) > settings.key_turn)
+        return bool(np.hypot(step.x, step.y) > settings.key_distance or abs(step.heading) > settings.key_turn)
 
     def _known(self, pose: Pose2D) -> int | None:
         """A key scan near which nothing new is seen, of those that the pose is known to."""
@@ -277,6 +283,10 @@ class LaserMapBuilder:
         if found is None:
             return
         self._join(found)
+        if self._agrees(found):
+            self.loops += 1
+            self._since_loop = self._driven
+            return
         poses = self._optimised(self.edges)
         if weights(poses, [found])[0] < 0.3:  # all others disagree
             self._leave(found)
@@ -284,6 +294,11 @@ class LaserMapBuilder:
         self.loops += 1
         self._since_loop = self._driven
         self._set_poses(poses)
+
+    def _agrees(self, edge: Edge) -> bool:
+        """Whether the poses are so near to what was measured that it is enough to improve them at the end."""
+        step = self.keys[edge.last].pose.relative_to(self.keys[edge.first].pose).relative_to(edge.pose)
+        return bool(np.hypot(step.x, step.y) < AGREES and abs(step.heading) < AGREES_TURN)
 
     def _leave(self, edge: Edge) -> None:
         self.edges.pop()
@@ -320,10 +335,12 @@ class LaserMapBuilder:
         edges = []
         positions = np.array([(key.pose.x, key.pose.y) for key in self.keys])
         fields: dict[int, SurfaceField] = {}
+        cells = [self._seen_cells(number) for number in range(len(self.keys))]
         for number, key in enumerate(self.keys):
             away = np.hypot(*(positions[:number] - positions[number]).T)
             near = np.flatnonzero(away < 0.8 * self.settings.near)
-            shared = sorted(((self._shared(int(other), number), int(other)) for other in near), reverse=True)[:8]
+            shared = sorted(((_share(cells[int(other)], cells[number]), int(other)) for other in near), reverse=True)
+            shared = shared[:MOST_SHARED]
             for share, other in shared:
                 if share < 0.3:
                     break
@@ -335,18 +352,12 @@ class LaserMapBuilder:
                     edges.append(Edge(other, number, match.pose, match.information, may_be_false=True))
         return edges
 
-    def _shared(self, first: int, last: int) -> float:
-        """About which share of what one key scan sees the other sees as well."""
-        cells = []
-        for number in (first, last):
-            key = self.keys[number]
-            c, s = np.cos(key.pose.heading), np.sin(key.pose.heading)
-            x = key.pose.x + c * key.view.points[:, 0] - s * key.view.points[:, 1]
-            y = key.pose.y + s * key.view.points[:, 0] + c * key.view.points[:, 1]
-            cells.append(np.unique(np.floor(x / 0.25).astype(np.int64) * 100_003 + np.floor(y / 0.25).astype(np.int64)))
-        first_cells, last_cells = cells
-        shared = np.intersect1d(first_cells, last_cells, assume_unique=True)
-        return len(shared) / max(1, min(len(first_cells), len(last_cells)))
+    def _seen_cells(self, number: int) -> Integers:
+        """Squares of a coarse grid in which a key scan has echoes, as numbers."""
+        key = self.keys[number]
+        columns, rows = np.floor(moved(key.view.points, key.pose) / SQUARE).astype(np.int64).T
+        result: Integers = np.unique(columns * ROWS + rows)
+        return result
 
     def _set_poses(self, poses: list[Pose2D]) -> None:
         """Move all key scans, and the robot with its reference."""
@@ -355,3 +366,8 @@ class LaserMapBuilder:
             key.pose = pose
         self._pose = self.keys[self._reference].pose.compose(step)
         self._field = None
+
+
+def _share(cells: Integers, others: Integers) -> float:
+    """Which part of what one key scan sees the other sees as well."""
+    return len(np.intersect1d(cells, others, assume_unique=True)) / max(1, min(len(cells), len(others)))

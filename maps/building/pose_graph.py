@@ -16,8 +16,8 @@ import numpy as np
 from geometry import Pose2D
 from maps.building.readings import Floats
 
-ROUNDS = 25
-DONE = 1e-4
+ROUNDS = 12
+DONE = 5e-4
 """m and rad; a step below it is the last one."""
 TOLERANCE = 9.0
 """Squared Mahalanobis distance from which on an edge counts for less, of those that may be false."""

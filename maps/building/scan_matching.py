@@ -33,6 +33,10 @@ STILL = 1e-4
 """m and rad; a step below it is the last one."""
 SIGMA = 0.015
 """m, of the distance of a point from its line: noise of scanner and line together."""
+STEP_LEAST, STEP_MOST = 0.08, 0.2
+"""m between two poses that are tried in a window."""
+MOST_CORRELATED = 90
+"""About so many points of a scan are used in it."""
 FEWEST = 12
 """Points that must match at least."""
 CORRELATED = 8.0
@@ -101,14 +105,15 @@ class SurfaceField:
         away = np.square(middles - self.points[found]).sum(axis=2)
         return np.where(found >= 0, np.exp(-away / (2.0 * width**2)), 0.0).astype(np.float32)
 
-    def correlate(self, points: Floats, middle: Pose2D, reach: float, turn: float, step: float = 0.08) -> Pose2D:
-        """Search a window for the pose at which most points are likely.
+    def correlate(self, points: Floats, middle: Pose2D, reach: float, turn: float) -> Pose2D:
+        """Search a window for the pose at which most points are likely; the wider, the coarser.
 
         Args:
             points: Of the scan, m, shape (n, 2).
             middle: Of the window. reach: m to either side in x and y. turn: rad likewise.
-            step: m from one pose to the next.
         """
+        step = min(max(STEP_LEAST, reach / 8.0), STEP_MOST)
+        points = points[:: 1 + len(points) // MOST_CORRELATED]
         likely = self.likelihood(1.2 * step)
         farthest = float(np.quantile(np.hypot(points[:, 0], points[:, 1]), 0.8))
         angles = middle.heading + np.arange(-turn, turn + 1e-9, max(0.01, step / max(farthest, 1.0)))

@@ -24,7 +24,7 @@ from bus.ros_msgs import MapMetaData, OccupancyGridMessage, Point
 from geometry import Pose2D
 from maps.building.building import evidence_of, grid_of_evidence, map_of
 from maps.building.evidence import EvidenceGatherer
-from maps.building.laser_builder import LaserMapBuilder
+from maps.building.laser_builder import KeyScan, LaserMapBuilder
 from maps.building.readings import Mount, OdometryTrack, ScanReading, laser_view
 from maps.building.surfaces import surface_points
 from maps.building_map import BuildingMap
@@ -119,6 +119,11 @@ class MapWork:
     def publish_period(self) -> float:
         """Seconds between two maps on the bus."""
         return self._settings.output.publish_period_s
+
+    @property
+    def keys(self) -> list[KeyScan]:
+        """The scans that make up the map."""
+        return self._builder.keys
 
     @property
     def is_empty(self) -> bool:
