@@ -23,7 +23,7 @@ STEP = 0.03  # m between samples
 class MapScore:
     """A map in figures.
 
-    exact: share of the map's walls within 4 cm of true ones. complete: share of the true walls that were seen and are in
+    exact: share of the walls of the map within 4 cm of true ones. complete: share of the true walls seen that are in
     the map, within 4 cm. double: m of lines beside a wall that is there already. off: greatest error of a pose of a key
     scan, m. placed: the map's frame in the world.
     """

@@ -19,6 +19,10 @@ FREE_BELOW, SOLID_FROM = 35, 50
 """Percent: cells below are free, cells from there on are in the way."""
 SHORTEST = 0.4
 """m of a frontier; shorter ones are shadows of furniture and gaps between beams."""
+LONGEST = 2.5
+"""m of a frontier; longer ones are several."""
+GAP = 0.2
+"""m; narrower strips of unknown floor lie between two beams of a scanner, and are no frontier."""
 BESIDE = 0.5
 """m from a frontier to the place from which it is looked at, at most."""
 DOOR_LEAST, DOOR_MOST = 0.6, 1.5
@@ -53,20 +57,25 @@ def frontiers(grid: OccupancyGrid, robot: Point, radius: float) -> list[Frontier
         radius: m that it needs to either side.
     """
     resolution = grid.resolution
-    free, solid = (grid.cells >= 0) & (grid.cells < FREE_BELOW), grid.cells >= SOLID_FROM
-    unknown = grid.cells < 0
+    solid, unknown = grid.cells >= SOLID_FROM, grid.cells < 0
+    gaps = unknown & ~_opened(unknown, max(1, round(GAP / (2.0 * resolution))))
+    unknown &= ~gaps
+    free = ((grid.cells >= 0) & (grid.cells < FREE_BELOW)) | (gaps & ~_around(solid))
     room = distance_transform(solid, resolution, radius + 2.0 * resolution)
-    start = _disc(grid, robot, AT_START)
-    passable = free & ((room > radius) | (start & ~solid))
-    ways = ways_from(passable, _cell(grid, robot), resolution)
+    away = _distances(grid, robot)
+    passable = free & ((room > radius) | ((away < AT_START) & ~solid))
+    near = np.where(passable & (away < AT_START), away, np.inf)
+    start = np.unravel_index(int(np.argmin(near)), near.shape)
+    ways = ways_from(passable, (int(start[0]), int(start[1])), resolution)
     reached = np.isfinite(ways)
     border = free & ~solid & _beside(unknown)
     looked_at = border & _grown(reached, round(BESIDE / resolution), free)
     found = []
     for cells in _clusters(looked_at):
-        frontier = _frontier(grid, cells, ways, solid)
-        if frontier is not None:
-            found.append(frontier)
+        for part in _parts(cells, LONGEST / resolution):
+            frontier = _frontier(grid, part, ways, solid)
+            if frontier is not None:
+                found.append(frontier)
     return sorted(found, key=lambda each: -each.length)
 
 
@@ -168,6 +177,27 @@ def _clusters(mask: Mask) -> list[NDArray[np.int64]]:
     return groups
 
 
+def _parts(cells: NDArray[np.int64], longest: float) -> list[NDArray[np.int64]]:
+    """Cut a cluster across its length, into parts of some cells at most."""
+    way = cells - cells.mean(axis=0)
+    _, vectors = np.linalg.eigh(way.T @ way)
+    along = way @ vectors[:, 1]
+    along -= along.min()
+    count = int(np.ceil((along.max() + 1.0) / longest))
+    numbers = np.minimum((along / (along.max() + 1e-9) * count).astype(np.int64), count - 1)
+    return [cells[numbers == number] for number in range(count) if (numbers == number).any()]
+
+
+def _opened(mask: Mask, steps: int) -> Mask:
+    """A mask without what is narrower than twice so many cells."""
+    core = mask.copy()
+    for _ in range(steps):
+        core = ~_around(~core)
+    for _ in range(steps):
+        core = _around(core)
+    return core & mask
+
+
 def _beside(mask: Mask) -> Mask:
     """Cells that share an edge with those of a mask, and these."""
     wide = mask.copy()
@@ -196,11 +226,12 @@ def _grown(mask: Mask, steps: int, within: Mask) -> Mask:
     return mask
 
 
-def _disc(grid: OccupancyGrid, middle: Point, radius: float) -> Mask:
+def _distances(grid: OccupancyGrid, middle: Point) -> Floats:
+    """From a point to all cells, m."""
     rows, columns = np.indices(grid.cells.shape)
     row, column = _cell(grid, middle)
-    near: Mask = np.hypot(rows - row, columns - column) * grid.resolution < radius
-    return near
+    away: Floats = np.hypot(rows - row, columns - column) * grid.resolution
+    return away
 
 
 def _cell(grid: OccupancyGrid, point: Point) -> tuple[int, int]:

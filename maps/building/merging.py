@@ -4,7 +4,7 @@ All turns are tried, each with all shifts at once by a Fourier transform; the be
 judged by what agrees and by what contradicts: walls of one map where the other has seen free floor.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +14,8 @@ from maps.building.readings import Floats, moved, turned
 from maps.building.scan_matching import SurfaceField
 from maps.building.surfaces import joined, map_at, surface_points
 from maps.building_map import BuildingMap
+from maps.distance import distance_transform
+from maps.occupancy import OccupancyGrid
 from maps.rasterization import grid_of
 
 CELL = 0.12
@@ -26,6 +28,8 @@ LEAST_OVERLAP = 0.25
 """Share of the smaller map that must agree."""
 MOST_AGAINST = 0.08
 """Share of walls of one map that may lie where the other has seen free floor."""
+ROOM = 0.15
+"""m from walls, from where on floor that was seen to be free contradicts a wall."""
 UNIQUE = 0.9
 """Score of the next best place, as a share of the best one's, from which on it is not known which is right."""
 
@@ -92,7 +96,7 @@ class _Judge:
     """Counts what agrees and what contradicts."""
 
     def __init__(self, first: BuildingMap, second: BuildingMap, theirs: Floats) -> None:
-        self._grids = grid_of(first), grid_of(second)
+        self._grids = _open_floor(grid_of(first)), _open_floor(grid_of(second))
         self._theirs = theirs
         self._ours = _known(first)[0]
 
@@ -109,7 +113,14 @@ class _Judge:
 
 
 def _on_free(values: NDArray[np.int8], count: int) -> float:
-    return float(np.count_nonzero((values >= 0) & (values < 20))) / max(1, count)
+    return float(np.count_nonzero(values > 0)) / max(1, count)
+
+
+def _open_floor(grid: OccupancyGrid) -> OccupancyGrid:
+    """The free floor that is not beside a wall or an unknown cell, as 100, and all else as 0."""
+    free = (grid.cells >= 0) & (grid.cells < 20)
+    is_open = distance_transform(~free, grid.resolution, 2.0 * ROOM) > ROOM
+    return replace(grid, cells=np.where(is_open, 100, 0).astype(np.int8))
 
 
 def _known(map_: BuildingMap) -> tuple[Floats, Floats]:
