@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from agents.components.mapping.mapping_tools import MapWork, laser_mount
+from agents.components.mapping.mapping_tools import MapWork, sensors_of
 from agents.components.mapping.settings import MappingAgentSettings
 from benchmarks.figures import Figure
 from benchmarks.mapping_course import Heard, spread_places, survey
@@ -102,9 +102,7 @@ def build(name: str, seed: int, out: Path) -> MapResult:
 
 def work_of(heard: Heard) -> MapWork:
     """Begin a map for the robot of a drive."""
-    mount = laser_mount(heard.description)
-    assert mount is not None
-    return MapWork(mount, MappingAgentSettings.load())
+    return MapWork(sensors_of(heard.description), MappingAgentSettings.load())
 
 
 def true_poses(heard: Heard, stamps: Sequence[float]) -> list[Pose2D]:

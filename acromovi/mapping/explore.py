@@ -71,7 +71,9 @@ class ExploringTeam:
         if len(sights) < len(self._grids.robots):
             return False
         await self._meet(now, sights)
-        for robot, order in self._explorer.decide(now, sights, self._frames).items():
+        loop = asyncio.get_running_loop()
+        orders = await loop.run_in_executor(None, self._explorer.decide, now, sights, self._frames)
+        for robot, order in orders.items():
             await self._send(robot, order)
         return self._explorer.is_finished
 

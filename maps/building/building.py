@@ -33,7 +33,11 @@ def evidence_of(keys: Sequence[KeyScan], gatherer: EvidenceGatherer) -> Evidence
 
 
 def map_of(
-    keys: Sequence[KeyScan], base: BuildingMap | None = None, gatherer: EvidenceGatherer | None = None
+    keys: Sequence[KeyScan],
+    base: BuildingMap | None = None,
+    gatherer: EvidenceGatherer | None = None,
+    *,
+    with_lines: bool = True,
 ) -> BuildingMap:
     """Make a map of key scans; what people and other moving bodies have left is not in it.
 
@@ -41,16 +45,21 @@ def map_of(
         keys: At least one.
         base: The map that they extend: what they have not seen anew stays, what they have seen through goes.
         gatherer: That has counted earlier scans of these.
+        with_lines: Not for sonar, whose echoes are no lines: points are the middles of occupied cells.
     Raises:
         ValueError: There is no key scan.
     """
     evidence = evidence_of(keys, gatherer or EvidenceGatherer(RESOLUTION))
+    home = Cairn(HOME, keys[0].pose, "")
+    grid = grid_of_evidence(evidence)
+    if not with_lines:
+        made = BuildingMap((), grid.centres(grid.is_occupied()), grid, (home,))
+        return made if base is None else joined(base, made, evidence.resolution)
     points = np.concatenate([moved(key.view.points, key.pose) for key in keys])
     normals = np.concatenate([turned(key.normals, key.pose.heading) for key in keys])
     standing = evidence.standing(points)
     points, normals = points[standing], normals[standing]
     lines, apart = fitted(points, normals)
     left, _, _ = thinned(points[apart], normals[apart]) if apart.any() else (np.empty((0, 2)), None, None)
-    home = Cairn(HOME, keys[0].pose, "")
-    made = BuildingMap(tuple(lines), left, grid_of_evidence(evidence), (home,))
+    made = BuildingMap(tuple(lines), left, grid, (home,))
     return made if base is None else joined(base, made, evidence.resolution)

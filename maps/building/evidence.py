@@ -96,9 +96,13 @@ class EvidenceGatherer:
 
     def _cells(self, pose: Pose2D, view: BeamView) -> tuple[Cells, Cells]:
         """Columns and rows of the cells that a view hits, and of those that it passes; shape (n, 2)."""
-        origins, points = moved(view.origins, pose), moved(view.points, pose)
+        points = moved(view.points, pose)
+        beams = [(moved(view.origins, pose), points)]
+        if len(view.free_points):
+            beams.append((moved(view.free_origins, pose), moved(view.free_points, pose)))
         hit = np.floor(points / self._resolution).astype(np.int64)
-        along = np.floor(_along(origins, points, self._resolution) / self._resolution).astype(np.int64)
+        passed = np.concatenate([_along(*each, self._resolution) for each in beams])
+        along = np.floor(passed / self._resolution).astype(np.int64)
         low = np.minimum(hit.min(axis=0), along.min(axis=0)) if len(along) else hit.min(axis=0)
         high = np.maximum(hit.max(axis=0), along.max(axis=0)) if len(along) else hit.max(axis=0)
         columns, rows = high - low + 1

@@ -86,26 +86,25 @@ def ways_from(passable: Mask, start: tuple[int, int], resolution: float) -> Floa
     a way is as long as it is, within some percent, in any direction.
     """
     ways = np.full(passable.shape, np.inf)
-    wave = np.zeros(passable.shape, np.bool_)
-    if not (0 <= start[0] < passable.shape[0] and 0 <= start[1] < passable.shape[1]):
+    rows, columns = passable.shape
+    row, column = start
+    if not (0 <= row < rows and 0 <= column < columns):
         return ways
-    wave[start] = True
-    passable = passable | wave
     ways[start], length, number = 0.0, 0.0, 0
-    seen = wave.copy()
-    while wave.any():
+    left, right, low, high = column, column + 1, row, row + 1  # where the wave is
+    while left < right:
         number += 1
-        rows, columns = np.nonzero(wave)
-        low, high = max(0, rows.min() - 1), rows.max() + 2
-        left, right = max(0, columns.min() - 1), columns.max() + 2
-        part = wave[low:high, left:right]
-        next_wave = _beside(part) if number % 3 else _around(part)
-        next_wave &= passable[low:high, left:right] & ~seen[low:high, left:right]
+        left, right, low, high = max(0, left - 1), min(columns, right + 1), max(0, low - 1), min(rows, high + 1)
+        part = ways[low:high, left:right]
+        front = part == length
+        wave = (_beside(front) if number % 3 else _around(front)) & passable[low:high, left:right] & np.isinf(part)
         length += resolution * STEP
-        wave = np.zeros(passable.shape, np.bool_)
-        wave[low:high, left:right] = next_wave
-        ways[wave] = length
-        seen |= wave
+        part[wave] = length
+        across, along = np.flatnonzero(wave.any(axis=0)), np.flatnonzero(wave.any(axis=1))
+        if not len(across):
+            break
+        left, right = left + int(across[0]), left + int(across[-1]) + 1
+        low, high = low + int(along[0]), low + int(along[-1]) + 1
     return ways
 
 

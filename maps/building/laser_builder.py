@@ -5,6 +5,7 @@ odometry and matching, to earlier ones by loops, and at the end to all that see 
 """
 
 from collections import deque
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -26,8 +27,8 @@ AROUND = 12.0
 """m within which a scan is matched with the map that is extended."""
 AGREES, AGREES_TURN = 0.025, 0.006
 """m and rad by which a loop may disagree without all poses being improved at once."""
-JUMP, JUMP_TURN = 1.0, 1.0
-"""m and rad between two scans from which on odometry was set anew: no robot drives so far meanwhile."""
+LEAST_OVERLAP = 0.25
+"""Share of a scan's points that must agree with those near it; else odometry alone says where it was taken."""
 
 
 class NotPlaced(ValueError):
@@ -46,6 +47,7 @@ class MappingSettings:
     loop_window, loop_drift: m of the window in which a loop is searched: at least, and per m driven.
     start_window, start_turn: m and rad from the given start, within which the robot is searched on a map to extend.
     start_overlap: least share of the first scan that agrees with that map, which may have changed.
+    match_weight: of the information of a match beside that of odometry; 1 for points as exact as those of a laser.
     """
 
     key_distance: float = 0.4
@@ -63,6 +65,7 @@ class MappingSettings:
     start_window: float = 1.0
     start_turn: float = 0.5
     start_overlap: float = 0.5
+    match_weight: float = 1.0
 
 
 @dataclass(slots=True)
@@ -84,6 +87,7 @@ class LaserMapBuilder:
         settings: MappingSettings | None = None,
         origin: Pose2D | None = None,
         base: tuple[Floats, Floats] | None = None,
+        normals_of: Callable[[Floats, Floats], Floats] = scan_normals,
     ) -> None:
         """Begin a map.
 
@@ -91,7 +95,9 @@ class LaserMapBuilder:
             settings: How it is built.
             origin: Pose of the robot at the first scan, in `map`; about, where a map is extended.
             base: Points and normals of the map that is extended, as of `surface_points`.
+            normals_of: Returns the normals of points and origins of a view.
         """
+        self._normals_of = normals_of
         self.settings = settings or MappingSettings()
         self._base = None if base is None else SurfaceField(*base, one_sided=False)
         self.keys: list[KeyScan] = []
@@ -136,16 +142,16 @@ class LaserMapBuilder:
             self._begin(view)
             return True
         step = view.pose.relative_to(self._odometry)
-        if np.hypot(step.x, step.y) > JUMP or abs(step.heading) > JUMP_TURN:
-            step = Pose2D()
         guess = self._pose.compose(step)
         self._driven += float(np.hypot(step.x, step.y))
         reference = self.keys[self._reference].pose
         if not self._is_away(guess, reference):
             self._pose, self._odometry = guess, view.pose
             return False
-        normals = scan_normals(view.points, view.origins)
+        normals = self._normals_of(view.points, view.origins)
         match = self._matched(view, normals, guess)
+        if match is not None and match.overlap < LEAST_OVERLAP:
+            match = None
         pose = guess if match is None else self.keys[self._reference].pose.compose(match.pose)
         self._pose, self._odometry = pose, view.pose
         known = self._known(pose)
@@ -165,7 +171,7 @@ class LaserMapBuilder:
 
     def _begin(self, view: BeamView) -> None:
         """Take the first scan."""
-        normals = scan_normals(view.points, view.origins)
+        normals = self._normals_of(view.points, view.origins)
         if self._base is not None:
             settings = self.settings
             guess = self._base.correlate(view.points, self._pose, settings.start_window, settings.start_turn)
@@ -192,7 +198,7 @@ class LaserMapBuilder:
         if self._base is None:
             return []
         key = self.keys[number]
-        match = self._base.align(key.view.points, key.normals, key.pose, coarsest=0.1)
+        match = self._weighed(self._base.align(key.view.points, key.normals, key.pose, coarsest=0.1))
         if match is None or match.overlap < 0.4:
             return []
         return [Edge(BASE, number, match.pose, match.information, may_be_false=True)]
@@ -240,8 +246,12 @@ class LaserMapBuilder:
         if self._field is None or self._field[0] != (self._reference, *near):
             self._field = (self._reference, *near), self._field_from(origin, near)
         start = guess.relative_to(origin)
-        prior = self._odometry_information(start)
-        return self._field[1].align(view.points, normals, start, prior)
+        prior = self._odometry_information(start) / self.settings.match_weight
+        return self._weighed(self._field[1].align(view.points, normals, start, prior))
+
+    def _weighed(self, match: Match | None) -> Match | None:
+        """A match with the weight that matches have beside odometry."""
+        return match and replace(match, information=match.information * self.settings.match_weight)
 
     def _field_from(self, origin: Pose2D, numbers: tuple[int, ...] | list[int]) -> SurfaceField:
         keys = [self.keys[number] for number in numbers]
@@ -328,7 +338,7 @@ class LaserMapBuilder:
         match = seen.align(key.view.points, key.normals, guess)
         if match is None or match.overlap < settings.loop_overlap or not match.is_constrained:
             return None
-        return Edge(nearest, number, match.pose, match.information, may_be_false=True)
+        return Edge(nearest, number, match.pose, match.information * settings.match_weight, may_be_false=True)
 
     def _agreements(self) -> list[Edge]:
         """Edges between all key scans that see the same walls, by their present poses."""
@@ -347,7 +357,7 @@ class LaserMapBuilder:
                 if other not in fields:
                     fields[other] = SurfaceField(self.keys[other].view.points, self.keys[other].normals)
                 start = key.pose.relative_to(self.keys[other].pose)
-                match = fields[other].align(key.view.points, key.normals, start, coarsest=0.08)
+                match = self._weighed(fields[other].align(key.view.points, key.normals, start, coarsest=0.08))
                 if match is not None and match.overlap > 0.3:
                     edges.append(Edge(other, number, match.pose, match.information, may_be_false=True))
         return edges

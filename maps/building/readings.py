@@ -1,6 +1,8 @@
 """Readings of laser and sonar as beams from the robot, each corrected for the motion during the measurement."""
 
-from dataclasses import dataclass
+from bisect import bisect
+from dataclasses import dataclass, field
+from math import hypot
 from typing import NamedTuple
 
 import numpy as np
@@ -10,8 +12,12 @@ from geometry import Pose2D, wrap_angle
 
 Floats = NDArray[np.float64]
 
-KEPT_ODOMETRY = 256
-"""Odometries kept: 25 s at the rate of any robot, longer than a reading ever waits."""
+KEPT_ODOMETRY = 3000
+"""Odometries kept at least: minutes, longer than a reading ever waits."""
+JUMP, JUMP_TURN = 0.2, 0.35
+"""m and rad that odometry may change at once."""
+FASTEST, FASTEST_TURN = 2.5, 4.0
+"""m/s and rad/s, above the speeds of all robots."""
 LATEST = 0.3
 """Seconds after the newest odometry up to which a pose is still given; the robot has moved little since."""
 FARTHEST = 25.0
@@ -47,42 +53,68 @@ class BeamView:
     pose: Of the robot in `odom`.
     origins, points: Of each beam with an echo: where it began and where it ended, m in `base_link` at that pose, shape
         (n, 2), in the order of the beams.
+    free_origins, free_points: Of further beams without an echo at their end, shape (m, 2).
     """
 
     stamp: float
     pose: Pose2D
     origins: Floats
     points: Floats
+    free_origins: Floats = field(default_factory=lambda: np.empty((0, 2)))
+    free_points: Floats = field(default_factory=lambda: np.empty((0, 2)))
 
 
 class OdometryTrack:
-    """The last poses by odometry, between which it interpolates."""
+    """Poses by odometry, between which it interpolates.
+
+    Where odometry is set anew, as by another program, the track goes on from where it was.
+    """
 
     def __init__(self) -> None:
-        self._rows: list[tuple[float, float, float, float]] = []  # s, m, m, rad; headings continuous
+        self._stamps: list[float] = []
+        self._poses: list[tuple[float, float, float]] = []  # m, m, rad; headings continuous
+        self._frame = Pose2D()  # of odometry, in the track: not the identity after odometry was set anew
+        self._last = Pose2D()  # by odometry
 
     def add(self, stamp: float, pose: Pose2D) -> None:
         """Add a pose in `odom`; when a clock was set back, earlier ones are forgotten."""
-        heading = pose.heading
-        if self._rows and stamp <= self._rows[-1][0]:
-            self._rows.clear()
-        if self._rows:
-            before = self._rows[-1][3]
-            heading = before + wrap_angle(heading - before)
-        self._rows.append((stamp, pose.x, pose.y, heading))
-        if len(self._rows) > 2 * KEPT_ODOMETRY:
-            del self._rows[:KEPT_ODOMETRY]
+        if self._stamps and stamp <= self._stamps[-1]:
+            self._stamps.clear()
+            self._poses.clear()
+        if self._stamps and _is_jump(pose.relative_to(self._last), stamp - self._stamps[-1]):
+            x, y, heading = self._poses[-1]
+            self._frame = Pose2D(x, y, wrap_angle(heading)).compose(Pose2D().relative_to(pose))
+        self._last = pose
+        placed = self._frame.compose(pose)
+        before = self._poses[-1][2] if self._poses else placed.heading
+        self._stamps.append(stamp)
+        self._poses.append((placed.x, placed.y, before + wrap_angle(placed.heading - before)))
+        if len(self._stamps) > 2 * KEPT_ODOMETRY:
+            del self._stamps[:KEPT_ODOMETRY], self._poses[:KEPT_ODOMETRY]
+
+    @property
+    def newest(self) -> float:
+        """Stamp of the newest pose, s; minus infinity before the first."""
+        return self._stamps[-1] if self._stamps else float("-inf")
 
     def at(self, stamps: Floats) -> Floats | None:
-        """Return the poses at some times, shape (n, 3); None where there is no odometry of about these times."""
-        if len(self._rows) < 2 or stamps[0] < self._rows[0][0] or stamps[-1] > self._rows[-1][0] + LATEST:
+        """Return the poses at some rising times, shape (n, 3); None where there is no odometry of about these times."""
+        if len(self._stamps) < 2 or stamps[0] < self._stamps[0] or stamps[-1] > self._stamps[-1] + LATEST:
             return None
-        table = np.array(self._rows)
-        if stamps[-1] > table[-1, 0]:  # on, with the latest speeds
-            part = (stamps[-1] - table[-2, 0]) / (table[-1, 0] - table[-2, 0])
-            ahead = table[-2] + part * (table[-1] - table[-2])
-            table = np.concatenate((table, ahead[None]))
-        return np.stack([np.interp(stamps, table[:, 0], column) for column in table[:, 1:].T], axis=1)
+        first = max(0, bisect(self._stamps, float(stamps[0])) - 1)
+        last = min(len(self._stamps), bisect(self._stamps, float(stamps[-1])) + 1)
+        first = min(first, len(self._stamps) - 2)
+        times, table = np.array(self._stamps[first:last]), np.array(self._poses[first:last])
+        if stamps[-1] > times[-1]:  # on, with the latest speeds
+            part = (stamps[-1] - times[-2]) / (times[-1] - times[-2])
+            table = np.concatenate((table, (table[-2] + part * (table[-1] - table[-2]))[None]))
+            times = np.append(times, stamps[-1])
+        return np.stack([np.interp(stamps, times, column) for column in table.T], axis=1)
+
+
+def _is_jump(step: Pose2D, seconds: float) -> bool:
+    """Whether odometry was set anew, because no robot moves so far in the time."""
+    return hypot(step.x, step.y) > JUMP + FASTEST * seconds or abs(step.heading) > JUMP_TURN + FASTEST_TURN * seconds
 
 
 def laser_view(reading: ScanReading, mount: Mount, track: OdometryTrack) -> BeamView | None:

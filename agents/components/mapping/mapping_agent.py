@@ -1,7 +1,7 @@
 """The agent that builds a map of the building while its robot is driven, by whomever.
 
 It subscribes to odometry and sensors only between `start` and `stop`. The work is done in a thread of its own, in
-batches; what the thread cannot keep up with is left out, scans first.
+batches; readings that the thread cannot keep up with are left out, odometry is not.
 """
 
 import asyncio
@@ -27,15 +27,15 @@ T = TypeVar("T")
 
 PERIOD = 0.25
 """Seconds between two batches."""
-MOST_WAITING = 600
-"""Messages kept between two batches: some 20 s of a robot with a laser."""
+MOST_ODOMETRY, MOST_READINGS = 3000, 100
+"""Messages kept between two batches; of more readings the oldest are left out, which odometry bridges."""
 DESCRIPTION_TIME = 2.0  # s for the gateway to describe the robot
 MOST_CONTENT = 6_000_000
 """Bytes of a map's files that are sent in one reply."""
 
 
 class MappingAgent(ElementAgent):
-    """`mapping@happy`: builds a map from the robot's laser. The map has the frame `map`.
+    """`mapping@happy`: builds a map from the robot's laser, or sonar if it has none. The map has the frame `map`.
 
     Its origin is where the robot stood at the start, unless a map is extended.
     """
@@ -56,7 +56,9 @@ class MappingAgent(ElementAgent):
         super().__init__(name, properties)
         self._worker = ThreadPoolExecutor(1, thread_name_prefix=str(self.name))
         self._work: MapWork | None = None  # used by the thread alone
-        self._samples: deque[Sample] = deque(maxlen=MOST_WAITING)  # the bus's thread appends
+        # The bus's thread appends.
+        self._odometry: deque[Sample] = deque(maxlen=MOST_ODOMETRY)
+        self._readings: deque[Sample] = deque(maxlen=MOST_READINGS)
         self._hearing: list[Subscription] = []
         self._published: Publisher | None = None
         self._published_at = 0.0
@@ -110,10 +112,12 @@ class MappingAgent(ElementAgent):
         self._work = await self._in_thread(lambda: _begun(description, extend, start))
         self._trouble, self._figures, self._has_changed = None, {}, False
         self._heard_at = asyncio.get_running_loop().time()
-        self._samples.clear()
+        self._odometry.clear()
+        self._readings.clear()
+        source = keys.SCAN if self._work.has_laser else keys.SONAR
         self._hearing = [
-            self.bus.subscribe(topic.key(self.robot), self._samples.append, urgent=True)
-            for topic in (keys.ODOM, keys.SCAN)
+            self.bus.subscribe(keys.ODOM.key(self.robot), self._odometry.append, urgent=True),
+            self.bus.subscribe(source.key(self.robot), self._readings.append, urgent=True),
         ]
         return self._state()
 
@@ -184,7 +188,9 @@ class MappingAgent(ElementAgent):
         if self._work is None or not self._hearing:
             return
         work, loop = self._work, asyncio.get_running_loop()
-        samples = [self._samples.popleft() for _ in range(len(self._samples))]
+        # Readings first: the odometry after them may have come meanwhile, but not the other way round.
+        readings = [self._readings.popleft() for _ in range(len(self._readings))]
+        samples = [self._odometry.popleft() for _ in range(len(self._odometry))] + readings
         if samples:
             try:
                 changed, self._figures = await self._in_thread(lambda: (work.take(samples), work.progress()))
@@ -248,17 +254,14 @@ def _begun(description: Mapping[str, Any], extend: str, start: Pose2D | None) ->
     """Begin the work, in the thread: the algorithms are loaded here.
 
     Raises:
-        ValueError: The robot has no laser, or the map cannot be read.
+        ValueError: The robot has neither laser nor sonar, or the map cannot be read.
     """
-    from agents.components.mapping.mapping_tools import MapWork, laser_mount
+    from agents.components.mapping.mapping_tools import MapWork, sensors_of
     from agents.components.mapping.settings import MappingAgentSettings
     from maps.map_files import read_building_map
 
-    mount = laser_mount(description)
-    if mount is None:
-        raise ValueError(f"{description.get('name')} has no laser that could see a map")
     base = read_building_map(extend) if extend else None
-    return MapWork(mount, MappingAgentSettings.load(), base, start)
+    return MapWork(sensors_of(description), MappingAgentSettings.load(), base, start)
 
 
 def _written(made: "BuildingMap", files: list[Path]) -> list[Path]:

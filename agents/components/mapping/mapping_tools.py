@@ -1,6 +1,8 @@
 """The work of the mapping agent, in its thread: messages in, map and figures out."""
 
+from collections import deque
 from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -13,6 +15,7 @@ from bus.messages import (
     LaserScan,
     Odometry,
     Pose,
+    RangeArray,
     Time,
     decode,
     header,
@@ -26,11 +29,20 @@ from maps.building.building import evidence_of, grid_of_evidence, map_of
 from maps.building.evidence import EvidenceGatherer
 from maps.building.laser_builder import KeyScan, LaserMapBuilder
 from maps.building.readings import Mount, OdometryTrack, ScanReading, laser_view
+from maps.building.sonar import MATCHING, SonarReading, SonarViews, echo_normals
 from maps.building.surfaces import surface_points
 from maps.building_map import BuildingMap
 from maps.occupancy import OccupancyGrid
 
 MAP_FRAME = "map"
+
+
+@dataclass(frozen=True, slots=True)
+class Sensors:
+    """Where the laser and the sonar discs are on the robot; no laser, or no discs, where there are none."""
+
+    laser: Mount | None
+    discs: Mapping[int, Mount]
 
 
 class MapWork:
@@ -41,7 +53,7 @@ class MapWork:
 
     def __init__(
         self,
-        mount: Mount,
+        sensors: Sensors,
         settings: MappingAgentSettings,
         base: BuildingMap | None = None,
         start: Pose2D | None = None,
@@ -49,22 +61,27 @@ class MapWork:
         """Begin.
 
         Args:
-            mount: Of the laser.
+            sensors: Of the robot; the laser is used where there is one.
             settings: Of the agent.
             base: The map that is extended.
             start: Where the robot is, in `map`; by default the home of the base, or its origin.
         """
         self.unread = 0
         self.scans = 0
-        self._mount = mount
+        self._mount = sensors.laser
+        self._sonar = SonarViews(sensors.discs, settings.sonar) if sensors.laser is None else None
         self._settings = settings
         self._base = base
         self._track = OdometryTrack()
         origin = start or (base.home if base is not None else None) or Pose2D()
         surfaces = None if base is None else surface_points(base)
-        self._builder = LaserMapBuilder(settings.laser, origin, surfaces)
+        self._builder = (
+            LaserMapBuilder(settings.laser, origin, surfaces)
+            if self._sonar is None
+            else LaserMapBuilder(MATCHING, origin, surfaces, echo_normals)
+        )
         self._gatherer = EvidenceGatherer(settings.output.resolution_m)
-        self._waiting: list[ScanReading] = []  # for the odometry after them
+        self._waiting: deque[ScanReading | SonarReading] = deque()  # for the odometry after them
 
     def take(self, samples: Iterable[Sample]) -> bool:
         """Take messages of odometry and laser in their order.
@@ -90,7 +107,12 @@ class MapWork:
             place = message.pose.pose
             pose = Pose2D(place.position.x, place.position.y, heading(place.orientation))
             self._track.add(stamp_ns(message.header) / NS_PER_S, pose)
-        elif isinstance(message, LaserScan):
+        elif isinstance(message, RangeArray) and self._sonar is not None:
+            for each in message.ranges:
+                disc = each.header.frame_id.rpartition("_")[2]
+                if disc.isdecimal():
+                    self._waiting.append(SonarReading(stamp_ns(each.header) / NS_PER_S, int(disc), float(each.range)))
+        elif isinstance(message, LaserScan) and self._sonar is None:
             self._waiting.append(
                 ScanReading(
                     stamp_ns(message.header) / NS_PER_S,
@@ -103,17 +125,26 @@ class MapWork:
         return self._read_waiting()
 
     def _read_waiting(self) -> bool:
-        """Take the scans for which odometry has come; a newer one takes the place of one that waits in vain."""
+        """Take the readings for which odometry has come."""
         changed = False
-        while self._waiting:
-            view = laser_view(self._waiting[0], self._mount, self._track)
-            if view is None and len(self._waiting) == 1:
-                break
-            self._waiting.pop(0)
-            if view is not None:
+        while self._waiting and self._waiting[0].stamp < self._track.newest:
+            reading = self._waiting.popleft()
+            if isinstance(reading, SonarReading):
+                assert self._sonar is not None  # it was read for it
+                view = self._sonar.add(reading, self._track)
+            else:
+                assert self._mount is not None  # likewise
+                view = laser_view(reading, self._mount, self._track)
                 self.scans += 1
+            if view is not None:
+                self.scans += self._sonar is not None
                 changed |= self._builder.add(view)
         return changed
+
+    @property
+    def has_laser(self) -> bool:
+        """Whether it is a laser that sees the map, and not sonar."""
+        return self._sonar is None
 
     @property
     def publish_period(self) -> float:
@@ -160,7 +191,7 @@ class MapWork:
         Raises:
             ValueError: Nothing has been seen yet.
         """
-        return map_of(self._builder.keys, self._base, self._gatherer)
+        return map_of(self._builder.keys, self._base, self._gatherer, with_lines=self._sonar is None)
 
 
 def grid_message(grid: OccupancyGrid, stamp: int) -> OccupancyGridMessage:
@@ -173,13 +204,28 @@ def grid_message(grid: OccupancyGrid, stamp: int) -> OccupancyGridMessage:
     return OccupancyGridMessage(header=head, info=info, data=np.ascontiguousarray(grid.cells).reshape(-1))
 
 
-def laser_mount(description: Mapping[str, Any]) -> Mount | None:
-    """Return where the laser is, from a robot's description; None without one."""
-    for element in description.get("elements", ()):
-        if isinstance(element, Mapping) and element.get("name") == "laser":
-            place = element["geometry"]
-            return Mount(float(place["x"]), float(place["y"]), float(place["heading"]))
-    return None
+def sensors_of(description: Mapping[str, Any]) -> Sensors:
+    """Return where the sensors are, from a robot's description.
+
+    Raises:
+        ValueError: It has neither laser nor sonar, or they are not described.
+    """
+    try:
+        rows = {row["name"]: row for row in description["elements"]}
+        discs = description.get("geometry", {}).get("sonar", ()) if "sonar" in rows else ()
+        found = Sensors(
+            _mount(rows["laser"]["geometry"]) if "laser" in rows else None,
+            {int(disc["number"]): _mount(disc) for disc in discs},
+        )
+    except (LookupError, TypeError) as err:
+        raise ValueError(f"what {description.get('name')} says of its sensors makes no sense: {err!r}") from err
+    if found.laser is None and not found.discs:
+        raise ValueError(f"{description.get('name')} has neither a laser nor sonar that could see a map")
+    return found
+
+
+def _mount(place: Mapping[str, Any]) -> Mount:
+    return Mount(float(place["x"]), float(place["y"]), float(place["heading"]))
 
 
 def _as_list(pose: Pose2D) -> list[float]:

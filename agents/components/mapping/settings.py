@@ -5,6 +5,7 @@ from pathlib import Path
 
 from configs.settings import load_with_changes
 from maps.building.laser_builder import MappingSettings
+from maps.building.sonar import SonarMapping
 
 SETTINGS = Path(__file__).with_name("settings.toml")
 
@@ -22,6 +23,7 @@ class MappingAgentSettings:
     """All settings of the agent."""
 
     laser: MappingSettings
+    sonar: SonarMapping
     output: MapOutput
 
     @classmethod

@@ -27,7 +27,9 @@ STEP = 0.6  # m that a robot drives in a turn
 def offsets(pose: Pose2D) -> tuple[Floats, Floats]:
     """From a robot to the cells of the true floor, m."""
     rows, columns = np.indices(floor().shape)
-    return RESOLUTION * (columns + 0.5) - 1.0 - pose.x, RESOLUTION * (rows + 0.5) - 1.0 - pose.y
+    x: Floats = RESOLUTION * (columns + 0.5) - 1.0 - pose.x
+    y: Floats = RESOLUTION * (rows + 0.5) - 1.0 - pose.y
+    return x, y
 
 
 def cell_of(x: float, y: float) -> tuple[int, int]:

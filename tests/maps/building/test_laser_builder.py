@@ -1,6 +1,5 @@
 """Maps of laser scans: loops are closed, walls are where they are and not double, and maps are extended."""
 
-from dataclasses import replace
 from functools import cache
 from math import hypot
 
@@ -10,7 +9,7 @@ import pytest
 from geometry import Pose2D, Segment, wrap_angle
 from maps.building.building import map_of
 from maps.building.laser_builder import LaserMapBuilder, NotPlaced
-from maps.building.readings import Floats, moved
+from maps.building.readings import Floats, OdometryTrack, moved
 from maps.building.surfaces import map_at, surface_points
 from maps.building_map import BuildingMap
 from tests.maps.building.drawn_rooms import ROUND, drive, ring, room
@@ -71,16 +70,24 @@ def test_a_robot_that_drives_in_a_known_room_keeps_no_more_scans() -> None:
     assert len(builder.keys) < 25
 
 
-def test_odometry_that_begins_anew_does_not_break_the_map() -> None:
+def test_scans_that_are_missing_for_a_while_do_not_break_the_map() -> None:
     builder = LaserMapBuilder(origin=Pose2D(*ROUND[0], 0.0))
-    views = list(drive(ring(), ROUND[:3], seed=5))
-    for _, view in views[: len(views) // 2]:
+    views = list(drive(ring(), ROUND[:4], seed=5, drift=0.005))
+    for _, view in [*views[:8], *views[20:]]:
         builder.add(view)
-    shift = Pose2D(4.0, 7.0, 2.0)
-    for _, view in views[len(views) // 2 :]:
-        builder.add(replace(view, pose=shift.compose(view.pose)))
     pose, _ = views[-1]
     assert hypot(builder.pose.x - pose.x, builder.pose.y - pose.y) < 0.2
+
+
+def test_odometry_that_begins_anew_goes_on_where_it_was() -> None:
+    track, shift = OdometryTrack(), Pose2D(4.0, 7.0, 2.0)
+    for number in range(20):
+        pose = Pose2D(0.05 * number, 0.0, 0.1 * number)
+        track.add(0.1 * number, pose if number < 10 else shift.compose(pose))
+    found = track.at(np.array([0.85, 1.85]))
+    assert found is not None
+    assert found[0] == pytest.approx([0.425, 0.0, 0.85])
+    assert found[1] == pytest.approx([0.875, 0.0, 1.75], abs=0.15)
 
 
 def test_a_map_is_extended_in_its_own_frame() -> None:

@@ -202,10 +202,10 @@ def test_what_cannot_be_done_is_refused_with_the_reason(request_: str, arguments
     play(story)
 
 
-def test_a_robot_without_a_laser_is_refused() -> None:
+def test_a_robot_without_laser_and_sonar_is_refused() -> None:
     async def story(at: Bench) -> None:
         outcome = await at.ask("start")
         assert outcome.ending is not Ending.DONE
-        assert "laser" in outcome.why
+        assert "neither a laser nor sonar" in outcome.why
 
     play(story, {"name": "base"})
