@@ -113,6 +113,8 @@ class ExploringTeam:
             await self._agent.request(interface, "cancel", reply_within=REPLY)
             return
         x, y = self._grids.odometry[robot].locate(*order.goal)
+        # Before the reply: if the program is to end now, this mission is cancelled as well.
+        self._missions[robot] = "", asyncio.get_running_loop().time()
         outcome = await self._agent.request(interface, "go", reply_within=REPLY, x=x, y=y, tolerance=TOLERANCE)
         name = outcome.result["mission"] if outcome.is_done else ""
         self._missions[robot] = name, asyncio.get_running_loop().time()
