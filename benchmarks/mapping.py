@@ -130,8 +130,8 @@ def draw(path: Path, made: BuildingMap, placed: Pose2D, edges: Sequence[Segment]
     axes.plot(*shown.points.T, ".", color="#7a4fa3", markersize=1.5, label="points of the map")
     axes.plot([p.x for p in way], [p.y for p in way], ".-", color="#4f7fb5", linewidth=0.5, markersize=2, label="way")
     axes.set_aspect("equal")
-    axes.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False)
-    page.savefig(path, dpi=80)
+    axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.05), ncols=4, frameon=False)
+    page.savefig(path, dpi=80, bbox_inches="tight")
 
 
 def row(result: MapResult) -> str:

@@ -16,7 +16,15 @@ FOLLOWING = "tests/apps/robot_following/test_on_a_team.py, with two robots"
 OPTICAL_FLOW = "tests/apps/optical_flow/test_on_a_team.py"
 CALIBRATION = "tests/acromovi/test_camera.py, on drawn chessboards"
 FETCH = "tests/apps/fetch/test_on_a_team.py"
+EXPLORING = "tests/acromovi/mapping/test_exploring_command.py, with agents that play the robot"
+MAPS = "tests/acromovi/mapping/test_map_command.py and tests/agents/components/mapping"
 ELSEWHERE = {
+    "acromovi map build happy --explore": EXPLORING,
+    "acromovi map build happy doc --explore": EXPLORING,
+    "acromovi map build happy --extend lab.map --at 2.5 1.0 1.57 --save lab.map": MAPS,
+    "acromovi map save happy lab.map": MAPS,
+    "acromovi map show lab.map lab.png": MAPS,
+    "acromovi map merge happy.map doc.map building.map --picture building.png": MAPS,
     "p2os-emu --robot powerbot --world hall:7": "tests/p2os_emu/world/floors",
     "acromovi try gripper": "tests/acromovi/test_scenes.py",
     "acromovi up acromovi": "tests/acromovi/team/test_team_of_seven.py",

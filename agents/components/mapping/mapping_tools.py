@@ -229,4 +229,4 @@ def _mount(place: Mapping[str, Any]) -> Mount:
 
 
 def _as_list(pose: Pose2D) -> list[float]:
-    return [round(pose.x, 4), round(pose.y, 4), round(pose.heading, 5)]
+    return [round(float(pose.x), 4), round(float(pose.y), 4), round(float(pose.heading), 5)]
