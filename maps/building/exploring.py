@@ -95,61 +95,59 @@ class Explorer:
         Returns:
             Orders for those robots that are to do something else than they do.
         """
-        orders = {}
         frames = frames or {}
+        orders: dict[str, ExploringOrder] = {}
+        offers: list[tuple[float, str, Frontier]] = []
+        teams = {name: _Team(name, sights, frames) for name in sights}
         for name, sight in sights.items():
             member = self._members.setdefault(name, _Member())
-            others = {other: sights[other] for other in frames if other != name and other in sights}
-            seen = _Team(name, sight, others if name in frames else {}, frames)
-            order = self._decide(now, member, sight, seen)
-            if order is not None:
-                orders[name] = order
+            was_active = member.frontier is not None and sight.mission is MissionStanding.ACTIVE
+            self._look(now, member, sight)
+            left = frontiers(teams[name].grid(), (sight.pose.x, sight.pose.y), self._radius)
+            left = [each for each in left if self._may(member, each)]
+            member.is_finished = not left
+            if member.frontier is not None and any(_same(each, member.frontier) for each in left):
+                continue  # it drives there, and there is still something to see
+            member.frontier = None
+            if was_active:
+                orders[name] = ExploringOrder(None)  # unless there is something else to see
+            offers += [(_cost(each) + teams[name].penalty(each), name, each) for each in left]
+        for _, name, frontier in sorted(offers, key=lambda offer: offer[0]):
+            member = self._members[name]
+            if member.frontier is None and not self._is_taken(teams[name], frontier):
+                member.frontier, member.began = frontier, now
+                orders[name] = ExploringOrder(frontier.goal)
         return orders
 
-    def _decide(self, now: float, member: _Member, sight: RobotSight, team: "_Team") -> ExploringOrder | None:
-        was_driving = member.frontier is not None
-        if member.frontier is not None:
-            is_late = now - member.began > LATE
-            if sight.mission is MissionStanding.FAILED or is_late:
-                member.failures.append(member.frontier.middle)
-            if sight.mission is not MissionStanding.ACTIVE or is_late:
-                if sight.mission is MissionStanding.DONE:
-                    member.failures.append(member.frontier.middle)  # if it is still one, looking again shows no more
-                member.frontier = None
-        left = frontiers(team.grid(), (sight.pose.x, sight.pose.y), self._radius)
-        left = [each for each in left if self._may(member, each)]
-        if member.frontier is not None and any(_same(each, member.frontier) for each in left):
-            return None  # it drives there, and there is still something to see
-        taken = [point for point in (self._target(team, name) for name in team.others) if point is not None]
-        free = [each for each in left if all(dist(each.middle, point) > TAKEN for point in taken)]
-        member.is_finished = not free and not (taken and left)
-        if not free:
+    def _look(self, now: float, member: _Member, sight: RobotSight) -> None:
+        """Forget a frontier to which the mission has ended; note that it has not helped, if it has not."""
+        if member.frontier is None:
+            return
+        is_late = now - member.began > LATE
+        if sight.mission is not MissionStanding.ACTIVE or is_late:
+            member.failures.append(member.frontier.middle)  # if it is still one after it was reached, looking is no use
             member.frontier = None
-            return ExploringOrder(None) if was_driving and sight.mission is MissionStanding.ACTIVE else None
-        member.frontier = min(free, key=lambda each: _cost(each) + team.penalty(each))
-        member.began = now
-        return ExploringOrder(member.frontier.goal)
 
     def _may(self, member: _Member, frontier: Frontier) -> bool:
         return sum(dist(frontier.middle, failed) < SAME for failed in member.failures) < MOST_FAILURES
 
-    def _target(self, team: "_Team", name: str) -> Point | None:
-        """The frontier that another robot drives to, in the own map."""
-        other = self._members.get(name)
-        if other is None or other.frontier is None:
-            return None
-        return team.own_point(name, other.frontier.middle)
+    def _is_taken(self, team: "_Team", frontier: Frontier) -> bool:
+        """Whether another robot drives to about there."""
+        others = ((name, self._members[name].frontier) for name in team.others if name in self._members)
+        return any(
+            target is not None and dist(team.own_point(name, target.middle), frontier.middle) < TAKEN
+            for name, target in others
+        )
 
 
 class _Team:
     """One robot's view of the others whose maps lie in the same frame."""
 
-    def __init__(
-        self, name: str, sight: RobotSight, others: Mapping[str, RobotSight], frames: Mapping[str, Pose2D]
-    ) -> None:
-        self._sight = sight
-        self.others = others
-        self._frames = {other: frames[other].relative_to(frames[name]) for other in others}
+    def __init__(self, name: str, sights: Mapping[str, RobotSight], frames: Mapping[str, Pose2D]) -> None:
+        self._sight = sights[name]
+        known = [other for other in sights if name in frames and other in frames and other != name]
+        self.others = {other: sights[other] for other in known}
+        self._frames = {other: frames[other].relative_to(frames[name]) for other in known}
 
     def own_point(self, name: str, point: Point) -> Point:
         """Take a point of another robot's map to the own one."""

@@ -27,8 +27,8 @@ STEP = 0.6  # m that a robot drives in a turn
 def offsets(pose: Pose2D) -> tuple[Floats, Floats]:
     """From a robot to the cells of the true floor, m."""
     rows, columns = np.indices(floor().shape)
-    x: Floats = RESOLUTION * (columns + 0.5) - 1.0 - pose.x
-    y: Floats = RESOLUTION * (rows + 0.5) - 1.0 - pose.y
+    x = RESOLUTION * (np.asarray(columns, np.float64) + 0.5) - 1.0 - pose.x
+    y = RESOLUTION * (np.asarray(rows, np.float64) + 0.5) - 1.0 - pose.y
     return x, y
 
 
@@ -139,7 +139,7 @@ def test_two_robots_share_the_rooms_and_are_done_sooner() -> None:
     frames = {"happy": Pose2D(), "doc": Pose2D(2.5, 3.2, 1.0)}
     pair = {"happy": DrawnRobot(Pose2D(2.0, 3.0, 0.0)), "doc": DrawnRobot(Pose2D(2.5, 3.2, 2.0), frames["doc"])}
     _, together = explore(pair, frames)
-    assert together < 0.9 * alone
+    assert together <= 0.8 * alone
     for room in ROOMS:
         assert known(pair["happy"], room) + known(pair["doc"], room) != [False, False]
 
