@@ -17,6 +17,9 @@ from geometry import Pose2D, wrap_angle
 from maps.building.laser_builder import MappingSettings
 from maps.building.readings import BeamView, Floats, Mount, OdometryTrack, moved, turned
 
+FIRST = 40
+"""Echoes that make up the first view, from where the robot stands at the start: the origin of the map."""
+
 
 @dataclass(frozen=True, slots=True)
 class SonarMapping:
@@ -54,6 +57,10 @@ class SonarViews:
         self._settings = settings or SonarMapping()
         self._readings: list[tuple[Pose2D, SonarReading]] = []
         self._start: Pose2D | None = None
+        self._has_begun = False
+
+    def _echoes(self) -> int:
+        return sum(reading.range < self._settings.farthest for _, reading in self._readings)
 
     def add(self, reading: SonarReading, track: OdometryTrack) -> BeamView | None:
         """Take a reading; return a view when the robot has driven far enough."""
@@ -66,9 +73,11 @@ class SonarViews:
         self._readings.append((pose, reading))
         step = pose.relative_to(self._start)
         settings = self._settings
-        if hypot(step.x, step.y) < settings.view_distance and abs(step.heading) < settings.view_turn:
+        near = hypot(step.x, step.y) < settings.view_distance and abs(step.heading) < settings.view_turn
+        if near and (self._has_begun or self._echoes() < FIRST):
             return None
-        view = self._view(pose)
+        view = self._view(pose if self._has_begun else self._start)
+        self._has_begun = True
         self._readings, self._start = [], pose
         return view
 
