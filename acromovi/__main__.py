@@ -39,6 +39,7 @@ COMMANDS = {
     "remote-vision": ("acromovi.remote_vision", "See through the cameras of a team in a browser, and turn them"),
     "camera": ("acromovi.camera", "Calibrate a camera by views of a chessboard"),
     "navigate": ("acromovi.navigation.command", "Let a robot find its way through rooms that it does not know"),
+    "map": ("acromovi.mapping.command", "Build, save, join and draw maps of buildings"),
     "missions": ("acromovi.missions.command", "Play missions of the indoor navigation in lockstep, and judge them"),
     "demo": ("acromovi.demo", "Run an emulated robot, its gateway and a drive round the office, about a minute"),
     "keys": ("acromovi.keys", "Make the keys of a secure bus: who may look, who may drive"),
@@ -120,8 +121,9 @@ def _user_errors() -> tuple[type[Exception], ...]:
     from agents.platform.errors import AgentError
     from bus.errors import BusError
     from configs.loader import ConfigError
+    from geometry import MapError
 
-    return (AgentError, BusError, ConfigError)
+    return (AgentError, BusError, ConfigError, MapError)
 
 
 @contextmanager

@@ -105,6 +105,7 @@ CAMERA_INFO = Topic.stream(
 )
 TF = Topic.stream("tf", "tf2_msgs/msg/TFMessage", "with odometry", "Where <robot>/base_link is in <robot>/odom")
 TF_STATIC = Topic.stream("tf_static", "tf2_msgs/msg/TFMessage", "1 Hz", "Where the sensors are on the robot")
+MAP = Topic.stream("map", "nav_msgs/msg/OccupancyGrid", "on change", "Map of the building, in the frame map")
 DIAGNOSTICS = Topic.stream(
     "diagnostics", "diagnostic_msgs/msg/DiagnosticArray", "1 Hz", "Counters and health of robot, cable and gateway"
 )

@@ -19,7 +19,15 @@ DOCKING = "tests/apps/docking/test_on_a_team.py"
 FETCH = "tests/apps/fetch/test_on_a_team.py"
 WORLD = "tests/acromovi/test_world.py, with an emulator that no other test finds"
 RECORDING = "tests/acromovi/test_recording_page.py"
+EXPLORING = "tests/acromovi/mapping/test_exploring_command.py, with agents that play the robot"
+MAPS = "tests/acromovi/mapping/test_map_command.py and tests/agents/components/mapping"
 ELSEWHERE = {
+    "acromovi map build happy --explore": EXPLORING,
+    "acromovi map build happy doc --explore": EXPLORING,
+    "acromovi map build happy --extend lab.map --at 2.5 1.0 1.57 --save lab.map": MAPS,
+    "acromovi map save happy lab.map": MAPS,
+    "acromovi map show lab.map lab.png": MAPS,
+    "acromovi map merge happy.map doc.map building.map --picture building.png": MAPS,
     "p2os-emu --robot powerbot --world hall:7": "tests/p2os_emu/world/floors",
     "acromovi try gripper": "tests/acromovi/test_scenes.py",
     "acromovi up acromovi": "tests/acromovi/team/test_team_of_seven.py",

@@ -9,6 +9,7 @@ from agents.components.camera import CameraAgent
 from agents.components.component import ElementAgent
 from agents.components.generic import Generic
 from agents.components.gripper import GripperAgent
+from agents.components.mapping.mapping_agent import MappingAgent
 from agents.components.ptz import PtzAgent
 from agents.components.sensors import (
     BatteryAgent,
@@ -44,9 +45,12 @@ COMPONENTS: Mapping[str, type[ElementAgent]] = {
 }
 """By the element's name in the robot's description."""
 DERIVED: Mapping[str, Mapping[str, type[ElementAgent]]] = {
+    "base": {"mapping": MappingAgent},
     "camera": {"vision": VisionAgent, "colours": ColoursAgent, "flow": FlowAgent, "motion": MotionAgent},
 }
 """By the element's name: further agents by their names, which live as long as it is there."""
+NEEDED: Mapping[str, str] = {"camera": "vision"}
+"""By the element's name: the extra without which its further agents cannot run."""
 _CLASSES = ChainMap(dict(COMPONENTS), *map(dict, DERIVED.values()))
 
 

@@ -11,7 +11,7 @@ from collections.abc import Collection, Mapping
 from contextlib import suppress
 from typing import Any
 
-from agents.components.all_components import DERIVED, component_for
+from agents.components.all_components import DERIVED, NEEDED, component_for
 from agents.platform import AgentName, AlreadyThere, Container, Restart, UnknownAgent
 from agents.platform.errors import NameNotValid
 from bus import BusUnavailable, Refused
@@ -43,7 +43,7 @@ class RobotAgents:
         self._container = container
         self._robot = robot_name(robot)
         self._present: set[str] = set()  # elements with a token
-        self._derived: Mapping[str, Collection[str]] | None = None  # when an element has some and they can run here
+        self._derived: dict[str, Collection[str]] = {}  # further agents that can run here, of elements seen so far
         self._kept: dict[str, dict[str, Any]] = {}  # what agents had packed when their elements disappeared
         self._elsewhere: set[str] = set()  # elements with an agent, here or in another container
         self._served: dict[str, Mapping[str, Any]] = {}  # the description when the agent was started
@@ -90,13 +90,14 @@ class RobotAgents:
 
     def _wanted(self) -> set[str]:
         """Return the names of the agents that are to run: those of the elements, and further ones."""
-        if self._derived is None and self._present & DERIVED.keys():
-            lacking = missing("vision")
-            self._derived = {} if lacking else DERIVED
+        for element in self._present & DERIVED.keys() - self._derived.keys():
+            extra = NEEDED.get(element)
+            lacking = missing(extra) if extra is not None else []
+            self._derived[element] = () if lacking else DERIVED[element]
             if lacking:
-                log.info("%s has no agents of the camera's images: %s", self._robot, needs("their work", *lacking))
-        derived = self._derived or {}
-        return self._present.union(*(derived.get(element, ()) for element in self._present))
+                why = needs("their work", *lacking)
+                log.info("%s has no agents of the %s's images: %s", self._robot, element, why)
+        return self._present.union(*(self._derived.get(element, ()) for element in self._present))
 
     async def _serve(self, element: str, described: Descriptions) -> None:
         """Start the agent of an element, or adapt it to the present description."""

@@ -1,0 +1,1 @@
+"""`acromovi map`: maps of buildings, built by robots."""

@@ -1,0 +1,1 @@
+"""The agent that builds a map of the building from the robot's laser or sonar."""
