@@ -115,6 +115,8 @@ class Localizer:
 
     def add_odometry(self, time: float, pose: Pose2D) -> None:
         """Take a pose in `odom`."""
+        if self._history.latest is None:
+            self._reading_time = time
         self._history.add(time, pose)
 
     def add_scan(self, time: float, ends: Points) -> None:
@@ -219,11 +221,11 @@ class Localizer:
         axis = ends if ends.ndim == 2 else ends[:, ends.shape[1] // 2]
         is_keyframe = self._memory.add(self._corrected, axis)
         if self._particles is not None:
-            self._update(raw, ends, is_laser)
+            self._update(raw, ends, trust, is_laser)
             self._follow_score(axis, trust, travel, interval)
         self._decide(trust, travel, is_keyframe)
 
-    def _update(self, raw: Pose2D, ends: Points, is_laser: bool) -> None:
+    def _update(self, raw: Pose2D, ends: Points, trust: SensorTrust, is_laser: bool) -> None:
         """Move the particles, and weigh them by readings, where the robot has moved by a step."""
         assert self._particles is not None
         settings = self._settings
@@ -241,6 +243,8 @@ class Localizer:
         self._particles.weigh(costs)
         mean, self._covariance = self._particles.mean()
         self._particles.resample()
+        if not is_first and self._score < trust.good:
+            self._particles.inject(mean)
         self._map_to_odom = _origin(mean, raw)
         if not is_first and self.state is LocalizationState.LOCALIZED:
             self._errors.add(raw.relative_to(self._updated_raw), mean, self._covariance)
@@ -295,7 +299,10 @@ class Localizer:
                 self._begin_at(found.pose, 0.1, 0.05)
             self._score = found.score
             self.state = LocalizationState.LOCALIZED
-        elif found.score < trust.good and self._unexplained >= self._settings.trust.wrong_map:
+        elif found.score >= trust.good:
+            if self.state is LocalizationState.WRONG_MAP:
+                self.state = LocalizationState.SEARCHING
+        elif self._unexplained >= self._settings.trust.wrong_map:
             self.state = LocalizationState.WRONG_MAP
 
     def _is_believed(self, found: FoundPose, trust: SensorTrust) -> bool:

@@ -64,6 +64,15 @@ class Particles:
             self.poses = self.poses[self._rng.integers(0, count, needed)]
         self._weights = np.full(len(self.poses), 1.0 / len(self.poses))
 
+    def inject(self, pose: Pose2D) -> None:
+        """Replace a share of the particles by ones around a pose, as wide as a pose that a person gives."""
+        settings = self._settings
+        count = int(settings.injected * len(self.poses))
+        errors = self._rng.standard_normal((count, 3))
+        errors *= (settings.start_sigma, settings.start_sigma, settings.start_turn)
+        chosen = self._rng.choice(len(self.poses), count, replace=False)
+        self.poses[chosen] = errors + np.array((pose.x, pose.y, pose.heading))
+
     def _chosen(self, count: int) -> NDArray[np.int64]:
         """Indices by the weights, with one random number (low variance sampling)."""
         positions = (np.arange(count) + self._rng.random()) / count

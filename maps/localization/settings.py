@@ -50,6 +50,7 @@ class ParticleSettings:
     bin_turn: float
     start_sigma: float
     start_turn: float
+    injected: float
 
 
 @dataclass(frozen=True, slots=True)
