@@ -16,7 +16,7 @@ from geometry.pose import Pose2D, wrap_angle
 from maps.building_map import BuildingMap
 from maps.localization.likelihood_field import LikelihoodField
 from maps.localization.memory import ReadingMemory
-from maps.localization.motion import OdometryHistory, moved
+from maps.localization.motion import OdometryHistory, moved, placed
 from maps.localization.odometry_errors import OdometryErrorFilter, OdometryErrors
 from maps.localization.particles import Particles
 from maps.localization.pose_search import FoundPose, PoseSearch
@@ -27,6 +27,8 @@ Points = NDArray[np.float64]
 _SMOOTHING = 0.5  # m of travel after which an old score counts for 1/e ...
 _SMOOTHING_TIME = 1.0  # ... or s while the robot stands
 _DRIVING = 0.03  # m/s; a slower robot stands
+_JUMP, _FASTEST = 0.5, 2.5  # m, and m/s: no robot moves farther between two readings
+_FOUND_SIGMA, _FOUND_TURN = 0.1, 0.05  # m and rad, of a pose that was found by search
 _LATE = 0.12  # s after the latest odometry for which its motion is continued
 
 
@@ -195,10 +197,7 @@ class Localizer:
         parts = []
         for at, ends in self._sonar:
             if (pose := self._history.at(at)) is not None and len(ends):
-                relative = pose.relative_to(raw)
-                c, s = np.cos(relative.heading), np.sin(relative.heading)
-                x, y = ends[..., 0], ends[..., 1]
-                parts.append(np.stack((relative.x + c * x - s * y, relative.y + s * x + c * y), axis=-1))
+                parts.append(placed(pose.relative_to(raw), ends))
         self._sonar.clear()
         if not parts:
             return False
@@ -212,6 +211,9 @@ class Localizer:
         travel = interval = 0.0
         if before is not None:
             step = raw.relative_to(before[1])
+            if hypot(step.x, step.y) > _JUMP + _FASTEST * abs(time - before[0]):
+                self._begin_after_jump(before[1])
+                return
             self._corrected = self._corrected.compose(self._errors.errors.corrected(step))
             travel, interval = hypot(step.x, step.y), max(0.0, time - before[0])
             if interval and travel / interval > _DRIVING:
@@ -224,6 +226,14 @@ class Localizer:
             self._update(raw, ends, trust, is_laser)
             self._follow_score(axis, trust, travel, interval)
         self._decide(trust, travel, is_keyframe)
+
+    def _begin_after_jump(self, before: Pose2D) -> None:
+        """Go on where the robot was when `odom` has a new origin, as after a restart of the gateway; check the pose."""
+        pose = None if self._map_to_odom is None else self._map_to_odom.compose(before)
+        if pose is None:
+            self.start_unknown()
+        else:
+            self.start_at(pose)
 
     def _update(self, raw: Pose2D, ends: Points, trust: SensorTrust, is_laser: bool) -> None:
         """Move the particles, and weigh them by readings, where the robot has moved by a step."""
@@ -268,7 +278,8 @@ class Localizer:
             elif self._score >= trust.good and self._memory.travel > self._settings.trust.confirmed:
                 self._unexplained = 0.0
         elif self.state is LocalizationState.CHECKING and self._score >= trust.good:
-            self.state = LocalizationState.LOCALIZED
+            is_elsewhere = self._is_elsewhere(trust)
+            self.state = LocalizationState.SEARCHING if is_elsewhere else LocalizationState.LOCALIZED
         elif self._driven - self._searched_at >= self._settings.search.every:
             self._look_everywhere(trust)
 
@@ -278,6 +289,14 @@ class Localizer:
         assert self._raw is not None
         pose = self._map_to_odom.compose(self._raw[1])
         return self._search.score(pose, *self._memory.readings(self._corrected), trust.near)
+
+    def _is_elsewhere(self, trust: SensorTrust) -> bool:
+        """Whether another pose explains the readings clearly better than the one that was given."""
+        assert self._map_to_odom is not None
+        assert self._raw is not None
+        found = self._search.find(*self._memory.readings(self._corrected), trust.near)
+        pose = self._map_to_odom.compose(self._raw[1])
+        return found is not None and found.margin >= trust.margin and self._search.is_apart(found.pose, pose)
 
     def _give_up(self) -> None:
         self.state = LocalizationState.SEARCHING
@@ -291,13 +310,13 @@ class Localizer:
         found = self._search.find(*self._memory.readings(self._corrected), trust.near)
         if found is None:
             return
-        if self.state is not LocalizationState.CHECKING:
-            self._begin_at(found.pose, 0.1, 0.05)
+        is_believed = self._is_believed(found, trust)
+        if is_believed or self.state is not LocalizationState.CHECKING:
+            self._begin_at(found.pose, _FOUND_SIGMA, _FOUND_TURN)
+            assert self._raw is not None
+            self._updated, self._updated_raw = self._corrected, self._raw[1]
             self._score = found.score
-        if self._is_believed(found, trust):
-            if self.state is LocalizationState.CHECKING:
-                self._begin_at(found.pose, 0.1, 0.05)
-            self._score = found.score
+        if is_believed:
             self.state = LocalizationState.LOCALIZED
         elif found.score >= trust.good:
             if self.state is LocalizationState.WRONG_MAP:

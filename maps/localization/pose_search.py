@@ -77,6 +77,11 @@ class PoseSearch:
         margin = float(others.min() - costs[best]) * self._trust.weight if len(others) else np.inf
         return FoundPose(found[best], self.score(found[best], ends, origins, near), margin)
 
+    def is_apart(self, one: Pose2D, other: Pose2D) -> bool:
+        """Whether two poses are another place or direction."""
+        row = np.array([[one.x, one.y, one.heading]])
+        return bool(self._are_apart(row, np.array((other.x, other.y, other.heading)))[0])
+
     def _everywhere(self) -> Poses:
         """Poses on a grid of the free cells, in all directions."""
         cell = self._settings.cell

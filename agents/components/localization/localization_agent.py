@@ -106,7 +106,9 @@ class LocalizationAgent(ElementAgent):
             return {"state": _STOPPED, "pose": None, "reason": "no localization was started"}
         if self._latest is None:
             return {"state": "searching", "pose": None, "reason": "no odometry has come yet"}
-        return dict(self._latest)
+        silence = asyncio.get_running_loop().time() - self._heard_at
+        late = {"reason": f"no odometry has come for {silence:.0f} s"} if silence > self.fresh else {}
+        return {**self._latest, **late}
 
     @request("set_pose")
     async def set_pose(self, x: float, y: float, heading: float = 0.0) -> dict[str, Any]:

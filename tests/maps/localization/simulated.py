@@ -98,6 +98,10 @@ class SimulatedDrive:
                 if estimate.pose is not None:
                     self.errors.append(np.hypot(estimate.pose.x - self.pose.x, estimate.pose.y - self.pose.y))
 
+    def restart_odometry(self, pose: Pose2D) -> None:
+        """Go on with odometry at another pose, as after a restart of the gateway."""
+        self._odometry = pose
+
     @property
     def was_confidently_wrong(self) -> bool:
         """Whether it ever believed a pose that was more than 0.5 m away; every step has a guess from some step on."""

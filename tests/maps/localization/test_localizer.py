@@ -78,6 +78,16 @@ def test_a_start_in_another_room_than_given_is_noticed() -> None:
     assert robot.states[-1] is LOCALIZED
 
 
+def test_a_new_origin_of_odometry_is_bridged() -> None:
+    robot = drive()
+    robot.localizer.start_at(START)
+    robot.drive(ROUND[:1])
+    robot.restart_odometry(Pose2D(20.0, -4.0, 2.0))
+    robot.drive(ROUND[1:2])
+    assert robot.states[-1] is LOCALIZED
+    assert robot.errors[-1] < 0.05
+
+
 def test_moving_people_disturb_little() -> None:
     rng = np.random.default_rng(4)
 
