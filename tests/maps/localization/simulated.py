@@ -102,6 +102,13 @@ class SimulatedDrive:
         """Go on with odometry at another pose, as after a restart of the gateway."""
         self._odometry = pose
 
+    def slip(self, distance: float, turn: float) -> None:
+        """Let the wheels turn without effect, within half a second: m and rad that odometry measures."""
+        for _ in range(5):
+            self.time += PERIOD
+            self._odometry = self._odometry.compose(Pose2D(distance / 5, 0.0, turn / 5))
+            self.localizer.add_odometry(self.time, self._odometry)
+
     @property
     def was_confidently_wrong(self) -> bool:
         """Whether it ever believed a pose that was more than 0.5 m away; every step has a guess from some step on."""

@@ -104,6 +104,42 @@ def test_moving_people_disturb_little() -> None:
     assert np.mean(robot.errors[20:]) < 0.04
 
 
+def test_a_dirty_laser_disturbs_little() -> None:
+    rng = np.random.default_rng(5)
+    dirty = rng.random(91) < 0.15
+
+    def dirt(ends: NDArray[np.float64]) -> NDArray[np.float64]:
+        ends[dirty[: len(ends)]] *= 0.2 / np.hypot(*ends[dirty[: len(ends)]].T)[:, np.newaxis]
+        return ends
+
+    robot = drive()
+    robot.disturb = dirt
+    robot.localizer.start_at(START)
+    robot.drive(ROUND)
+    assert robot.states[-1] is LOCALIZED
+    assert np.mean(robot.errors[20:]) < 0.03
+
+
+def test_furniture_that_was_moved_since_the_map_was_made_disturbs_little() -> None:
+    before = BuildingMap((*FLOOR.lines[:8], *FLOOR.lines[16:]))  # a table and two shelves were elsewhere
+    robot = drive(plan=before)
+    robot.localizer.start_at(START)
+    robot.drive(ROUND)
+    assert robot.states[-1] is LOCALIZED
+    assert np.mean(robot.errors[20:]) < 0.04
+
+
+def test_slipping_wheels_are_noticed_and_the_pose_is_found_again() -> None:
+    robot = drive()
+    robot.localizer.start_at(START)
+    robot.drive(ROUND[:1])
+    robot.slip(0.5, 0.4)
+    robot.drive([*ROUND[1:], *ROUND])
+    assert not robot.was_confidently_wrong
+    assert robot.states[-1] is LOCALIZED
+    assert robot.errors[-1] < 0.05
+
+
 def test_a_pause_of_the_laser_is_bridged_by_odometry_and_reported() -> None:
     robot = drive()
     robot.localizer.start_at(START)
