@@ -63,8 +63,8 @@ class LocalizationAgent(ElementAgent):
         rows = [row for row in robot["elements"] if isinstance(row, dict)]
         laser = next((row.get("geometry") or {} for row in rows if row.get("name") == "laser"), None)
         has_sonar = any(row.get("name") == "sonar" for row in rows)
-        discs = robot.get("geometry", {}).get("sonar") if has_sonar else None
-        return {"laser": laser, "discs": discs or [], "robot_model": robot.get("model")}
+        discs = robot["geometry"]["sonar"] if has_sonar else []
+        return {"laser": laser, "discs": discs, "robot_model": robot.get("model")}
 
     def describe(self) -> dict[str, Any]:
         """Return its description; it is not the agent of an element."""
