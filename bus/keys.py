@@ -109,13 +109,11 @@ POSE = Topic.stream(
     "10 Hz while localized",
     "Pose in map, by the agent localization; only while it believes the pose",
 )
-MAP = Topic.stream(
-    "map", "nav_msgs/msg/OccupancyGrid", "each 5 s", "The map in which the robot is localized, from its start on"
-)
 TF = Topic.stream(
     "tf", "tf2_msgs/msg/TFMessage", "with odometry", "Where <robot>/base_link is in <robot>/odom, and that in map"
 )
 TF_STATIC = Topic.stream("tf_static", "tf2_msgs/msg/TFMessage", "1 Hz", "Where the sensors are on the robot")
+MAP = Topic.stream("map", "nav_msgs/msg/OccupancyGrid", "on change", "Map of the building, in the frame map")
 DIAGNOSTICS = Topic.stream(
     "diagnostics", "diagnostic_msgs/msg/DiagnosticArray", "1 Hz", "Counters and health of robot, cable and gateway"
 )

@@ -130,28 +130,6 @@ class PoseWithCovarianceStamped:
 
 
 @dataclass
-class MapMetaData:
-    """Size of a grid. resolution: m of a cell. width, height: in cells. origin: of the lower left corner."""
-
-    map_load_time: Time
-    resolution: Float32
-    width: UInt32
-    height: UInt32
-    origin: Pose
-    __msgtype__: ClassVar[str] = "nav_msgs/msg/MapMetaData"
-
-
-@dataclass
-class OccupancyGridMessage:
-    """A map in cells. data: row by row from the lowest y, -1 unknown, 0 free to 100 occupied."""
-
-    header: Header
-    info: MapMetaData
-    data: Ints8
-    __msgtype__: ClassVar[str] = "nav_msgs/msg/OccupancyGrid"
-
-
-@dataclass
 class Vector3:
     """A direction and its size."""
 
@@ -414,6 +392,28 @@ class TFMessage:
 
     transforms: list[TransformStamped]
     __msgtype__: ClassVar[str] = "tf2_msgs/msg/TFMessage"
+
+
+@dataclass
+class MapMetaData:
+    """Of a grid: m of a cell's edge, cells, and the pose of the corner of cell (0, 0) in the frame of the header."""
+
+    map_load_time: Time
+    resolution: Float32
+    width: UInt32
+    height: UInt32
+    origin: Pose
+    __msgtype__: ClassVar[str] = "nav_msgs/msg/MapMetaData"
+
+
+@dataclass
+class OccupancyGridMessage:
+    """A map in cells, row by row from the lowest y: -1 unknown, 0 free to 100 occupied."""
+
+    header: Header
+    info: MapMetaData
+    data: Ints8
+    __msgtype__: ClassVar[str] = "nav_msgs/msg/OccupancyGrid"
 
 
 STANDARD_MESSAGES = tuple(each for each in globals().values() if hasattr(each, "__msgtype__"))

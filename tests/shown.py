@@ -11,12 +11,12 @@ PROGRAMS = ("acromovi", "p2os-emu", "p2os-gateway", "pytest", "python")
 OF_A_RECORDING = "acromovi wire happy.jsonl"  # run where the recording is made
 IN_TERMINALS = "it runs until Ctrl-C, and is started by many tests"
 SUITE = "it is run by `make test` as a whole"
+LOCALIZATION = "tests/acromovi/test_localize.py, with a map of its own"
 FORMATION = "tests/apps/formation/test_on_a_team.py, with two robots"
 FOLLOWING = "tests/apps/robot_following/test_on_a_team.py, with two robots"
 OPTICAL_FLOW = "tests/apps/optical_flow/test_on_a_team.py"
 CALIBRATION = "tests/acromovi/test_camera.py, on drawn chessboards"
 FETCH = "tests/apps/fetch/test_on_a_team.py"
-LOCALIZATION = "tests/acromovi/test_localize.py, with a map of its own"
 ELSEWHERE = {
     "p2os-emu --robot powerbot --world hall:7": "tests/p2os_emu/world/floors",
     "acromovi try gripper": "tests/acromovi/test_scenes.py",

@@ -44,19 +44,14 @@ COMPONENTS: Mapping[str, type[ElementAgent]] = {
     "camera": CameraAgent,
 }
 """By the element's name in the robot's description."""
-VISION: Mapping[str, type[ElementAgent]] = {
-    "vision": VisionAgent,
-    "colours": ColoursAgent,
-    "flow": FlowAgent,
-    "motion": MotionAgent,
-}
-"""Agents of the camera's images, which need the extra `vision`."""
 DERIVED: Mapping[str, Mapping[str, type[ElementAgent]]] = {
-    "camera": VISION,
+    "camera": {"vision": VisionAgent, "colours": ColoursAgent, "flow": FlowAgent, "motion": MotionAgent},
     "laser": {"localization": LocalizationAgent},
     "sonar": {"localization": LocalizationAgent},
 }
-"""By the element's name: further agents by their names, which live as long as it or another one that has them."""
+"""By the element's name: further agents by their names, which live as long as it is there."""
+NEEDED: Mapping[str, str] = {"camera": "vision"}
+"""By the element's name: the extra without which its further agents cannot run."""
 _CLASSES = ChainMap(dict(COMPONENTS), *map(dict, DERIVED.values()))
 
 
