@@ -43,7 +43,9 @@ on stderr), 2 wrong usage, 130 stopped by Ctrl-C.
 
 def _add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("robot", metavar="ROBOT", help="its name on the bus")
-    parser.add_argument("place", metavar="PLACE", nargs="+", help="X and Y in m, or the name of a goal of the map")
+    parser.add_argument(
+        "place", metavar="PLACE", nargs="+", action=_Place, help="X and Y in m, or the name of a goal of the map"
+    )
     parser.add_argument("--map", action="store_true", help="X, Y and the heading are in the frame map [odom]")
     parser.add_argument("--heading", type=finite, metavar="RAD", help="heading at the goal [any]")
     parser.add_argument("--tolerance", type=finite, metavar="M", help="distance that counts as reached [0.25 m]")
@@ -72,39 +74,36 @@ def _run(arguments: argparse.Namespace) -> int:
     if arguments.picture and not arguments.wait:
         print("acromovi navigate go: --picture draws the end of the mission; add --wait", file=sys.stderr)
         return 2
-    try:
-        place = _place(arguments.place)
-    except argparse.ArgumentTypeError as err:
-        print(f"acromovi navigate go: {err}", file=sys.stderr)
-        return 2
     with ZenohBus.open(arguments.bus) as bus:
         interface = RunningNavigation(bus, arguments.robot).expect()
-        code = asyncio.run(_go(bus, interface, place, arguments))
+        code = asyncio.run(_go(bus, interface, arguments))
         if arguments.picture is not None:
             code = max(code, take(bus, arguments.robot, arguments.picture, "go"))
     return code
 
 
-def _place(words: list[str]) -> dict[str, Any]:
-    """Return x and y, or the name of a goal.
+class _Place(argparse.Action):
+    """Makes x and y, or the name of a goal, of the words of a place."""
 
-    Raises:
-        ArgumentTypeError: The words are neither.
-    """
-    if len(words) == 1:
-        return {"place": words[0]}
-    try:
-        x, y = map(finite, words)
-    except ValueError:
-        words = [f'"{word}"' for word in words]
-        raise argparse.ArgumentTypeError(
-            f"a place is X and Y in m, or one name in quotes; found {len(words)} words: {' '.join(words)}"
-        ) from None
-    return {"x": x, "y": y}
+    def __call__(
+        self, parser: argparse.ArgumentParser, namespace: argparse.Namespace, values: Any, option: str | None = None
+    ) -> None:
+        """Store them as arguments of a request."""
+        if len(values) == 1:
+            setattr(namespace, self.dest, {"place": values[0]})
+            return
+        try:
+            x, y = map(finite, values)
+        except argparse.ArgumentTypeError as err:
+            raise argparse.ArgumentError(self, str(err)) from err
+        except ValueError as err:
+            words = " ".join(f'"{word}"' for word in values)
+            raise argparse.ArgumentError(self, f"give X and Y in m, or one name in quotes, not {words}") from err
+        setattr(namespace, self.dest, {"x": x, "y": y})
 
 
-async def _in_odom(agent: "Agent", place: dict[str, Any], arguments: argparse.Namespace) -> dict[str, Any]:
-    """Return a place in `odom`, by the localization of the robot where it is in `map`.
+async def _in_odom(agent: "Agent", arguments: argparse.Namespace) -> dict[str, Any]:
+    """Return the place in `odom`, by the localization of the robot where it is in `map`.
 
     Raises:
         RequestNotDone: The robot is not localized, or it cannot be there.
@@ -112,6 +111,7 @@ async def _in_odom(agent: "Agent", place: dict[str, Any], arguments: argparse.Na
     from acromovi.navigation.components import REPLY_TIMEOUT
     from agents.platform.names import AgentName
 
+    place: dict[str, Any] = arguments.place
     if "place" not in place and not arguments.map:
         return {**place, "heading": arguments.heading}
     given = place if arguments.heading is None else {**place, "heading": arguments.heading}
@@ -120,7 +120,7 @@ async def _in_odom(agent: "Agent", place: dict[str, Any], arguments: argparse.Na
     return {name: goal[name] for name in ("x", "y", "heading")}
 
 
-async def _go(bus: "Bus", interface: "AgentName", place: dict[str, Any], arguments: argparse.Namespace) -> int:
+async def _go(bus: "Bus", interface: "AgentName", arguments: argparse.Namespace) -> int:
     """Send the robot; return the exit code.
 
     Raises:
@@ -130,7 +130,7 @@ async def _go(bus: "Bus", interface: "AgentName", place: dict[str, Any], argumen
     from acromovi.navigation.components import REPLY_TIMEOUT
 
     async with asker(bus, interface) as agent:
-        wanted = {**await _in_odom(agent, place, arguments), "tolerance": arguments.tolerance}
+        wanted = {**await _in_odom(agent, arguments), "tolerance": arguments.tolerance}
         goal = {name: value for name, value in wanted.items() if value is not None}
         begun = (await agent.request(interface, "go", reply_within=REPLY_TIMEOUT, **goal)).value()
         if not arguments.wait:

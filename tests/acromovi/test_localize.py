@@ -122,9 +122,6 @@ def test_errors_of_a_map_name_file_and_line(standing: str, tmp_path: Path, capsy
     assert f"{bad}:3: a line needs x1 y1 x2 y2" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize(
-    "words", [["localize", "happy", "--state", "--unknown"], ["navigate", "go", "happy", "Lab", "2", "--wait"]]
-)
-def test_wrong_usage_is_explained(words: list[str], capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(words) == 2
-    assert "--map FILE" in (err := capsys.readouterr().err) or "one name in quotes" in err
+def test_wrong_usage_is_explained(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["localize", "happy", "--state", "--unknown"]) == 2
+    assert "--unknown and --settings need --map FILE" in capsys.readouterr().err
