@@ -43,6 +43,7 @@ GROUPS = {
     "optical_flow": "wandering by optical flow in textured rooms in lockstep; writes optical-flow.md and pictures",
     "fetch": "fetching objects with the gripper, rendered in lockstep; writes fetch.md and a picture",
     "docking": "docking from fifty starts in lockstep; writes docking.md",
+    "localization": "localization on true maps by laser and sonar, in lockstep; writes localization.md and pictures",
     "vision": "colours, target and time to contact in drawn images, and the delay of the vision agents",
     "remote_vision": "age of an image when the browser has drawn it: over loopback, and with delay and loss",
     "flood": "how soon an e-stop is obeyed while other programs flood the gateway",
