@@ -36,6 +36,7 @@ GROUPS = {
     "navigation_idle": "what the navigation costs after a mission, and how soon the next one wakes it",
     "doors": "doors found in generated laser scans, and the time that one scan takes",
     "missions": "three hundred missions of the indoor navigation in lockstep; writes missions.md and pictures",
+    "localization": "localization on true maps by laser and sonar, in lockstep; writes localization.md and pictures",
     "formation": "formations of three to five robots in lockstep; writes formation.md and pictures",
     "following": "robots that follow each other by sight, rendered in lockstep; writes following.md and pictures",
     "optical_flow": "wandering by optical flow in textured rooms in lockstep; writes optical-flow.md and pictures",

@@ -17,6 +17,7 @@ from bus.field_types import (
     Floats32,
     Floats64,
     Int32,
+    Ints8,
     Ints32,
     Matrix3,
     Matrix6,
@@ -117,6 +118,37 @@ class PoseWithCovariance:
     pose: Pose
     covariance: Matrix6
     __msgtype__: ClassVar[str] = "geometry_msgs/msg/PoseWithCovariance"
+
+
+@dataclass
+class PoseWithCovarianceStamped:
+    """A pose with when, and in which frame."""
+
+    header: Header
+    pose: PoseWithCovariance
+    __msgtype__: ClassVar[str] = "geometry_msgs/msg/PoseWithCovarianceStamped"
+
+
+@dataclass
+class MapMetaData:
+    """Size of a grid. resolution: m of a cell. width, height: in cells. origin: of the lower left corner."""
+
+    map_load_time: Time
+    resolution: Float32
+    width: UInt32
+    height: UInt32
+    origin: Pose
+    __msgtype__: ClassVar[str] = "nav_msgs/msg/MapMetaData"
+
+
+@dataclass
+class OccupancyGridMessage:
+    """A map in cells. data: row by row from the lowest y, -1 unknown, 0 free to 100 occupied."""
+
+    header: Header
+    info: MapMetaData
+    data: Ints8
+    __msgtype__: ClassVar[str] = "nav_msgs/msg/OccupancyGrid"
 
 
 @dataclass

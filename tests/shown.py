@@ -17,6 +17,7 @@ OPTICAL_FLOW = "tests/apps/optical_flow/test_on_a_team.py"
 CALIBRATION = "tests/acromovi/test_camera.py, on drawn chessboards"
 DOCKING = "tests/apps/docking/test_on_a_team.py"
 FETCH = "tests/apps/fetch/test_on_a_team.py"
+LOCALIZATION = "tests/acromovi/test_localize.py, with a map of its own"
 ELSEWHERE = {
     "p2os-emu --robot powerbot --world hall:7": "tests/p2os_emu/world/floors",
     "acromovi try gripper": "tests/acromovi/test_scenes.py",
@@ -30,6 +31,14 @@ ELSEWHERE = {
     "acromovi navigate go happy 6 2.5 --wait": "tests/acromovi/navigation",
     "acromovi navigate picture happy now.svg": "tests/acromovi/navigation",
     "acromovi navigate wiring happy wiring.svg": "tests/acromovi/navigation",
+    "acromovi localize happy --map office.map": LOCALIZATION,
+    "acromovi localize happy --map office.map --unknown": LOCALIZATION,
+    "acromovi localize happy --map office.yaml --pose 2.5 6.1 1.57": LOCALIZATION,
+    "acromovi localize happy --state": LOCALIZATION,
+    "acromovi localize happy --stop": LOCALIZATION,
+    'acromovi navigate go happy "Lab 2" --wait': LOCALIZATION,
+    "acromovi ask localization@happy set_pose x=2.5 y=6.1 heading=1.57": "tests/agents/components",
+    "python -m benchmarks localization": "it is a benchmark, which takes minutes",
     "acromovi ask colours@happy serve_acts port=5001": "tests/agents/components/vision, with other ports",
     "acromovi run formation leader=happy followers=doc,grumpy shape=triangle starts=my-team.toml": FORMATION,
     "acromovi promote formation leader=happy followers=doc,grumpy starts=my-team.toml": FORMATION,

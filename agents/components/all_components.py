@@ -9,6 +9,7 @@ from agents.components.camera import CameraAgent
 from agents.components.component import ElementAgent
 from agents.components.generic import Generic
 from agents.components.gripper import GripperAgent
+from agents.components.localization.localization_agent import LocalizationAgent
 from agents.components.ptz import PtzAgent
 from agents.components.sensors import (
     BatteryAgent,
@@ -43,10 +44,19 @@ COMPONENTS: Mapping[str, type[ElementAgent]] = {
     "camera": CameraAgent,
 }
 """By the element's name in the robot's description."""
-DERIVED: Mapping[str, Mapping[str, type[ElementAgent]]] = {
-    "camera": {"vision": VisionAgent, "colours": ColoursAgent, "flow": FlowAgent, "motion": MotionAgent},
+VISION: Mapping[str, type[ElementAgent]] = {
+    "vision": VisionAgent,
+    "colours": ColoursAgent,
+    "flow": FlowAgent,
+    "motion": MotionAgent,
 }
-"""By the element's name: further agents by their names, which live as long as it is there."""
+"""Agents of the camera's images, which need the extra `vision`."""
+DERIVED: Mapping[str, Mapping[str, type[ElementAgent]]] = {
+    "camera": VISION,
+    "laser": {"localization": LocalizationAgent},
+    "sonar": {"localization": LocalizationAgent},
+}
+"""By the element's name: further agents by their names, which live as long as it or another one that has them."""
 _CLASSES = ChainMap(dict(COMPONENTS), *map(dict, DERIVED.values()))
 
 

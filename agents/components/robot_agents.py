@@ -7,11 +7,11 @@ element comes back. What an agent packs is kept meanwhile.
 
 import asyncio
 import logging
-from collections.abc import Collection, Mapping
+from collections.abc import Mapping
 from contextlib import suppress
 from typing import Any
 
-from agents.components.all_components import DERIVED, component_for
+from agents.components.all_components import DERIVED, VISION, component_for
 from agents.platform import AgentName, AlreadyThere, Container, Restart, UnknownAgent
 from agents.platform.errors import NameNotValid
 from bus import BusUnavailable, Refused
@@ -43,7 +43,7 @@ class RobotAgents:
         self._container = container
         self._robot = robot_name(robot)
         self._present: set[str] = set()  # elements with a token
-        self._derived: Mapping[str, Collection[str]] | None = None  # when an element has some and they can run here
+        self._has_vision: bool | None = None  # whether agents of images can run here; None before one is wanted
         self._kept: dict[str, dict[str, Any]] = {}  # what agents had packed when their elements disappeared
         self._elsewhere: set[str] = set()  # elements with an agent, here or in another container
         self._served: dict[str, Mapping[str, Any]] = {}  # the description when the agent was started
@@ -90,13 +90,15 @@ class RobotAgents:
 
     def _wanted(self) -> set[str]:
         """Return the names of the agents that are to run: those of the elements, and further ones."""
-        if self._derived is None and self._present & DERIVED.keys():
+        wanted = self._present.union(*(DERIVED.get(element, ()) for element in self._present))
+        if not wanted & VISION.keys():
+            return wanted
+        if self._has_vision is None:
             lacking = missing("vision")
-            self._derived = {} if lacking else DERIVED
+            self._has_vision = not lacking
             if lacking:
                 log.info("%s has no agents of the camera's images: %s", self._robot, needs("their work", *lacking))
-        derived = self._derived or {}
-        return self._present.union(*(derived.get(element, ()) for element in self._present))
+        return wanted if self._has_vision else wanted - VISION.keys()
 
     async def _serve(self, element: str, described: Descriptions) -> None:
         """Start the agent of an element, or adapt it to the present description."""
