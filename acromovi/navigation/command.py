@@ -7,6 +7,7 @@ from acromovi.subcommand import Subcommand, add_subcommands
 ORDERS = {
     "up": ("acromovi.navigation.launch", "Start the navigation of a robot, until Ctrl-C"),
     "go": ("acromovi.navigation.going", "Send a robot to a place"),
+    "dock": ("acromovi.navigation.docking", "Charge a robot at its dock, or let it leave the dock"),
     "cancel": ("acromovi.navigation.cancelling", "Cancel the mission of a robot, and stop it"),
     "state": ("acromovi.navigation.standing", "Print the state of a robot's mission"),
     "log": ("acromovi.navigation.log", "Print the messages about a robot's missions"),

@@ -1,6 +1,6 @@
 """The application: a robot drives onto its dock, at once or when its battery is low, and answers requests."""
 
-import math
+import time
 from collections.abc import Callable
 from contextlib import nullcontext, suppress
 from typing import Any
@@ -8,14 +8,17 @@ from typing import Any
 import numpy as np
 
 import configs
-from agents import Failed, NotThere, Robot, RobotError, Stopped, Team, request
+from agents import Failed, NotThere, Refused, Robot, RobotError, Stopped, Team, request
 from apps.docking.cycle import DockingCycle, DockingHull, DockingOrders, DockingState
+from apps.docking.place import DockPlace
 from apps.docking.settings import DockingSettings
 from apps.docking.station import echo_points
-from geometry import Pose2D, Twist2D, wrap_angle
+from geometry import Pose2D, Twist2D
 
 SERVICES = ("docking",)  # for the directory, when it runs as an agent
 _WATCH_PERIOD = 2.0  # s between two looks at the battery
+_MISSION_TIME = 3600.0  # s; a mission of the navigation ends by itself long before
+_RETURN_TIME = 10.0  # s that the robot may refuse to drive, since another program has the lease
 _STATE = ["has not begun"]  # what it does, in words
 
 
@@ -34,7 +37,8 @@ def main(
     Args:
         team: The robots on the bus.
         robot: Its name; any robot with a charger if empty.
-        dock: Pose of the robot on its dock in its frame `odom`, as `[x,y,heading]`: m, m, rad.
+        dock: Pose of the robot on its dock in its frame `odom`, as `[x,y,heading]`: m, m, rad. Or the name of a dock on
+            the map on which the robot is localized.
         leave: Leave the dock; that is all.
         below: Wait until the battery is no fuller than this, 0 to 1; then dock, charge it, leave the dock, and wait
             again. Dock at once and only once if 0.
@@ -54,9 +58,9 @@ def main(
         if leave:
             docking.leave()
         elif not below:
-            docking.dock(_pose(dock))
+            docking.dock(DockPlace(team, docking.robot.name, dock))
         else:
-            _keep_charged(docking, _pose(dock), below, until)
+            _keep_charged(docking, DockPlace(team, docking.robot.name, dock), below, until)
     finally:
         _STATE[0] = "has ended"
 
@@ -67,7 +71,7 @@ def status() -> dict[str, Any]:
     return {"does": _STATE[0]}
 
 
-def _keep_charged(docking: "_Docking", dock: Pose2D, below: float, until: float) -> None:
+def _keep_charged(docking: "_Docking", dock: DockPlace, below: float, until: float) -> None:
     """Dock whenever the battery is low, until the program is to end."""
     if not 0.0 < below < until <= 1.0:
         raise RobotError(f"0 < below < until <= 1 is needed, not below={below:g} and until={until:g}")
@@ -95,17 +99,19 @@ class _Docking:
         self._mount = Pose2D(place.get("x", 0.0), place.get("y", 0.0), place.get("heading", 0.0))
         self._told = ""
         self._contact = False
+        self._obeyed_at = time.monotonic()  # when the robot last did as it was told
 
-    def dock(self, dock: Pose2D, priority: int | None = None) -> None:
+    def dock(self, dock: DockPlace, priority: int | None = None) -> None:
         """Drive onto a dock and begin to charge.
 
         Args:
-            dock: In odom.
+            dock: Where it is.
             priority: Of the lease on the base that is held meanwhile; None for no lease.
         Raises:
             RobotError: It has failed.
         """
-        cycle = DockingCycle(self.settings, dock, self._hull, needs_station=self._station)
+        self._navigate(dock.pose())
+        cycle = DockingCycle(self.settings, dock.pose(), self._hull, needs_station=self._station)
         with nullcontext() if priority is None else self.robot.base.lease(priority):
             self._run(cycle)
 
@@ -116,6 +122,28 @@ class _Docking:
             RobotError: It has failed.
         """
         self._run(DockingCycle(self.settings, Pose2D(), self._hull, leaves=True))
+
+    def _navigate(self, dock: Pose2D) -> None:
+        """Send the robot to the place before a dock, if its indoor navigation runs.
+
+        Raises:
+            RobotError: It does not get there.
+        """
+        interface = f"user_interface@{self.robot.name}"
+        before = dock.compose(Pose2D(-self.settings.approach.away_m, 0.0, 0.0))
+        try:
+            begun = self._team.ask(interface, "go", x=before.x, y=before.y, heading=before.heading)
+        except NotThere:
+            return
+        self._tell("navigates to the place before the dock")
+        try:
+            ended = self._team.ask(interface, "wait", within=_MISSION_TIME, mission=begun["mission"])
+        except BaseException:  # Ctrl-C, or the program is to end
+            with suppress(RobotError, Stopped):  # the mission ends at the place before the dock in any case
+                self._team.ask(interface, "cancel")
+            raise
+        if ended["state"] != "done":
+            raise RobotError(f"{self.robot.name} has not got to its dock: {ended['why'] or ended['state']}")
 
     def waits_for_battery(self, is_met: Callable[[float], bool], words: str) -> bool:
         """Wait until the battery is so full; returns False where the program is to end before."""
@@ -128,6 +156,7 @@ class _Docking:
         return False
 
     def _run(self, cycle: DockingCycle) -> None:
+        self._obeyed_at = time.monotonic()
         next_report = self.settings.report_s
         try:
             for now in self._team.every(self.settings.period_s):
@@ -173,12 +202,22 @@ class _Docking:
         return orders
 
     def _drive(self, twist: Twist2D | None) -> None:
+        """Drive; a lease of another program is waited for, as that of the navigation that has just ended.
+
+        Raises:
+            RobotError: The robot refuses for longer than that.
+        """
         if twist is None:
             return
         try:
             self.robot.base.drive(twist.linear, twist.angular)
+            self._obeyed_at = time.monotonic()
         except Failed:  # it is stalled
             self._contact = True
+        except Refused as err:
+            if time.monotonic() - self._obeyed_at > _RETURN_TIME:
+                raise
+            self._tell(f"waits: {err}")
 
     def _tell(self, words: str) -> None:
         """Print what the robot does, when it is something else."""
@@ -186,19 +225,3 @@ class _Docking:
         if words != self._told:
             self._told = words
             print(f"{self.robot.name}: {words}", flush=True)
-
-
-def _pose(given: str | list[float]) -> Pose2D:
-    """Return a pose.
-
-    Raises:
-        RobotError: It is not made of three numbers.
-    """
-    parts = given.strip("[] ").split(",") if isinstance(given, str) else given
-    try:
-        x, y, heading = map(float, parts)
-    except (TypeError, ValueError):
-        x = y = heading = math.nan
-    if not (math.isfinite(x) and math.isfinite(y) and math.isfinite(heading)):
-        raise RobotError(f"a dock is x, y and heading in m and rad, as dock=[1,0.5,3.14], not {str(given)[:40]!r}")
-    return Pose2D(x, y, wrap_angle(heading))

@@ -34,7 +34,7 @@ def test_a_robot_is_charged_on_its_dock_and_leaves_it(team: RunningTeam) -> None
     assert docked.returncode == 0, docked.stdout + docked.stderr
     assert docked.stdout.endswith("max: is charged: the battery is charged\n")
     assert charging(team) != "not_charging"
-    left = team.acromovi("run", "docking", "robot=max", "leave=true")
+    left = team.acromovi("navigate", "dock", "max", "--leave")
     assert left.returncode == 0, left.stdout + left.stderr
     assert charging(team) == "not_charging"
 
@@ -58,8 +58,9 @@ def test_as_an_agent_it_tells_what_it_does_and_the_robot_stops_when_it_freezes(
 @pytest.mark.parametrize(
     ("words", "told"),
     [
-        (["dock=here"], "a dock is x, y and heading in m and rad, as dock=[1,0.5,3.14], not 'here'"),
-        (["dock=[1,2]"], "a dock is x, y and heading in m and rad, as dock=[1,0.5,3.14], not '[1, 2]'"),
+        (["dock=[1,2]"], "a dock is x, y and heading in m and rad, as dock=[1,0.5,3.14], or the name of a dock on"),
+        ([], "a dock is x, y and heading in m and rad"),
+        (["dock=Charger"], "no localization of max is under way"),
         (["dock=[1,2,3]", "below=2"], "0 < below < until <= 1 is needed, not below=2 and until=0.95"),
         (["settings=none.toml"], "none.toml"),
     ],
