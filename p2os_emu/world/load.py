@@ -6,7 +6,6 @@ import configs
 from geometry import MapError, read_map
 from p2os_emu.world.aria_map import MOST_WALLS, world_of
 from p2os_emu.world.errors import WorldError
-from p2os_emu.world.floors.families import FAMILIES, floor
 from p2os_emu.world.spec import WorldSpec
 from p2os_emu.world.world_file import WorldFile
 
@@ -20,12 +19,14 @@ def load_world(name: str | Path) -> WorldSpec:
     Raises:
         WorldError: there is no such world, or its file has an error; says which file, where and why.
     """
-    if (made_up := floor(str(name))) is not None:
-        return made_up
-    if str(name) in FAMILIES:
-        raise WorldError(f"{name} is a family of floors: write a whole number behind it, as in {name}:7")
+    if ":" in str(name):
+        # Here and not at the top: they are eleven modules, and most worlds are files.
+        from p2os_emu.world.floors.families import floor
+
+        if (made_up := floor(str(name))) is not None:
+            return made_up
     try:
-        path = configs.find("worlds", str(name))
+        path = _find(str(name))
         if path.suffix == ".map":
             return world_of(read_map(path), path.stem)
         file = configs.build(WorldFile, configs.read(path), str(path))
@@ -35,3 +36,20 @@ def load_world(name: str | Path) -> WorldSpec:
     if (count := len(spec.walls) + len(spec.furniture)) > MOST_WALLS:
         raise WorldError(f"{path}: {count} walls and pieces of furniture are too many; use at most {MOST_WALLS}")
     return spec
+
+
+def _find(name: str) -> Path:
+    """Return the file of a world.
+
+    Raises:
+        ConfigError: There is none.
+        WorldError: The name is that of a family of floors.
+    """
+    try:
+        return configs.find("worlds", name)
+    except configs.ConfigError:
+        from p2os_emu.world.floors.families import FAMILIES
+
+        if name in FAMILIES:
+            raise WorldError(f"{name} is a family of floors: write a whole number behind it, as in {name}:7") from None
+        raise
