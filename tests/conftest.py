@@ -8,7 +8,7 @@ from collections.abc import Callable
 from contextlib import suppress
 
 import pytest
-from hypothesis import HealthCheck, settings
+from hypothesis import HealthCheck, settings, strategies
 
 from configs.defaults import VARIABLE
 from tests.waiting import wait_until
@@ -32,6 +32,15 @@ os.environ[VARIABLE] = f"local:test-{uuid.uuid4().hex[:12]}"
 
 # A runner that was started in the background ignores SIGINT, and the programs under test would inherit that.
 signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+def pytest_collection_finish(session: pytest.Session) -> None:
+    """Write hypothesis's table of characters where tests are only collected, which `make` does before they run.
+
+    Making it takes 2 s of processor time. The workers would begin at the same time, and each would make it for itself.
+    """
+    if session.config.option.collectonly:
+        strategies.text().validate()
 
 
 @pytest.fixture(scope="session")
