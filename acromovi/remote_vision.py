@@ -35,7 +35,7 @@ def _run(arguments: argparse.Namespace) -> int:
 
     require("acromovi remote-vision", "console", "vision")
     from agents.client.errors import RobotError
-    from apps.remote_vision.server import serve
+    from apps.remote_vision.page import serve
     from apps.remote_vision.settings import RemoteVisionSettings
     from apps.web.server import address, listening
     from bus.session import ZenohBus

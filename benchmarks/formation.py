@@ -7,8 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from apps.formation.film import write_film
-from apps.formation.plots import draw_formation
+from apps.formation.plots import draw_formation, write_film
 from apps.formation.settings import FormationSettings
 from apps.formation.shapes import COLUMN, shape_offsets
 from benchmarks.figures import Figure

@@ -47,7 +47,7 @@ def check_value(value: Any, depth: int = MAX_DEPTH, largest: int = LARGEST_OBJEC
         for part in level:
             match part:
                 case str():
-                    check_text(part)
+                    _check_text(part)
                     size += len(part)
                 case dict() | list() | tuple():
                     is_nested = True
@@ -69,7 +69,7 @@ def check_value(value: Any, depth: int = MAX_DEPTH, largest: int = LARGEST_OBJEC
     raise MessageError(f"a value here is at most {depth} levels deep")
 
 
-def check_text(text: str) -> None:
+def _check_text(text: str) -> None:
     """Refuse text that cannot be encoded or that controls a terminal; tabs and line ends are allowed.
 
     Raises:
@@ -108,7 +108,7 @@ def check_seconds(what: str, value: object) -> None:
 
 
 def printable(text: str) -> str:
-    """Return the text with U+FFFD in place of every character that `check_text` refuses."""
+    """Return the text with U+FFFD in place of every character that `_check_text` refuses."""
     return _NOT_TEXT.sub("\ufffd", text)
 
 

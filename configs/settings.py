@@ -35,11 +35,11 @@ def load_with_changes(
         table = laid_over(table, read(file))
     source = str(file or shipped)
     settings = build(kind, laid_over(table, changes or {}), source)
-    check_numbers(settings, source, zero=zero)
+    _check_numbers(settings, source, zero=zero)
     return settings, source
 
 
-def check_numbers(settings: Any, source: str, *, zero: bool = False) -> None:
+def _check_numbers(settings: Any, source: str, *, zero: bool = False) -> None:
     """See that all numbers of a dataclass, and of those within it, are finite and more than 0.
 
     Args:

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Iterable
 from functools import cache
-from importlib.metadata import version
 from math import inf
 from typing import Any
 
@@ -90,6 +89,8 @@ class RobotDescription:
 
 @cache
 def _version() -> str:
+    from importlib.metadata import version  # it is a large module, and not every gateway is asked
+
     return version("acromovi")  # read from files at each call
 
 

@@ -12,7 +12,7 @@ _COLOUR = re.compile(r"#([0-9a-fA-F]{2})([0-9a-fA-F]{2})([0-9a-fA-F]{2})")
 
 
 @dataclass(frozen=True, slots=True)
-class FetchBody:
+class _FetchBody:
     """The robot and its gripper."""
 
     radius_m: float
@@ -25,7 +25,7 @@ class FetchBody:
 
 
 @dataclass(frozen=True, slots=True)
-class FetchDrive:
+class _FetchDrive:
     """How the robot moves."""
 
     speed_m_s: float
@@ -50,7 +50,7 @@ class FetchCamera:
 
 
 @dataclass(frozen=True, slots=True)
-class ObjectSize:
+class _ObjectSize:
     """What can be an object to fetch."""
 
     narrowest_m: float
@@ -61,7 +61,7 @@ class ObjectSize:
 
 
 @dataclass(frozen=True, slots=True)
-class TrackSettings:
+class _TrackSettings:
     """How sightings become objects."""
 
     gate_m: float
@@ -74,7 +74,7 @@ class TrackSettings:
 
 
 @dataclass(frozen=True, slots=True)
-class SearchPattern:
+class _SearchPattern:
     """How an object is looked for."""
 
     turn_rad_s: float
@@ -83,7 +83,7 @@ class SearchPattern:
 
 
 @dataclass(frozen=True, slots=True)
-class GripSettings:
+class _GripSettings:
     """How an object is gripped."""
 
     standoff_m: float
@@ -96,14 +96,14 @@ class GripSettings:
 
 
 @dataclass(frozen=True, slots=True)
-class PlaceSettings:
+class _PlaceSettings:
     """How an object is put down."""
 
     standoff_m: float
 
 
 @dataclass(frozen=True, slots=True)
-class FloorSettings:
+class _FloorSettings:
     """Ways over the floor."""
 
     resolution_m: float
@@ -116,7 +116,7 @@ class FloorSettings:
 
 
 @dataclass(frozen=True, slots=True)
-class NamedColours:
+class _NamedColours:
     """Colours in full light, as #rrggbb."""
 
     red: str
@@ -132,16 +132,16 @@ class FetchSettings:
     period_s: float
     report_s: float
     attempts: int
-    robot: FetchBody
-    drive: FetchDrive
+    robot: _FetchBody
+    drive: _FetchDrive
     camera: FetchCamera
-    object: ObjectSize
-    track: TrackSettings
-    search: SearchPattern
-    grip: GripSettings
-    place: PlaceSettings
-    floor: FloorSettings
-    colours: NamedColours
+    object: _ObjectSize
+    track: _TrackSettings
+    search: _SearchPattern
+    grip: _GripSettings
+    place: _PlaceSettings
+    floor: _FloorSettings
+    colours: _NamedColours
 
     @classmethod
     def load(cls, file: str | Path | None = None) -> "FetchSettings":

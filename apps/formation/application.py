@@ -11,7 +11,7 @@ from agents import Robot, RobotError, Team, request
 from apps.film import check_film
 from apps.formation.controller import Formation, FormationOrders
 from apps.formation.members import MemberState, PoseSource
-from apps.formation.plots import draw_formation
+from apps.formation.plots import draw_formation, write_film
 from apps.formation.pose_filter import PoseFilter
 from apps.formation.record import FormationRecord
 from apps.formation.settings import FormationSettings
@@ -207,8 +207,6 @@ def _finish(record: FormationRecord, picture: str, measured: str, film: str) -> 
         except (OSError, ExtraMissing) as err:
             print(f"no picture: {err}", flush=True)
     if film:
-        from apps.formation.film import write_film
-
         try:
             print(f"see {film}, {write_film(Path(film), record)} frames", flush=True)
         except OSError as err:

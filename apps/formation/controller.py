@@ -7,14 +7,13 @@ from typing import Any
 
 import numpy as np
 
-from apps.formation.assignment import assign
 from apps.formation.avoidance import MovingDisc, admissible_twist
 from apps.formation.members import REST, MemberState
 from apps.formation.membership import Membership
 from apps.formation.passages import EchoMemory
 from apps.formation.path import LeaderPath
 from apps.formation.settings import FormationSettings
-from apps.formation.shapes import COLUMN, check_behind, shape_offsets
+from apps.formation.shapes import COLUMN, assign, check_behind, shape_offsets
 from apps.formation.tracking import VirtualPoint, frame_point, path_point, twist_towards
 from geometry import Point, Pose2D, Twist2D, integrate
 

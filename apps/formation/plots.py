@@ -1,10 +1,11 @@
-"""Plots of a drive in formation: all trajectories, and the distances from the virtual points."""
+"""Plots of a drive in formation: all trajectories, and the distances from the virtual points; and its film."""
 
 import math
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from apps.film import FilmWriter, TopView, moments
 from apps.formation.record import FormationRecord
 from apps.pictures import save_picture
 from configs.extras import require
@@ -50,6 +51,19 @@ def draw_formation(file: Path, record: FormationRecord, title: str, walls: Seque
     distances.set_ylim(bottom=0.0)
     distances.grid(visible=True, linewidth=0.3)
     save_picture(page, file)
+
+
+def write_film(file: Path, record: FormationRecord) -> int:
+    """Write a record as a film from above, with the virtual points; returns the number of frames.
+
+    Raises:
+        OSError: The file cannot be written.
+    """
+    view, writer = TopView(record.poses), FilmWriter(file)
+    for moment in moments(record.times):
+        points = [found for each in record.points.values() if (found := each[moment]) is not None]
+        writer.add(view.draw(moment, f"{record.times[moment]:.1f} s", points))
+    return writer.close()
 
 
 def _draw_robot(plan: "Axes", distances: "Axes", record: FormationRecord, name: str, colour: str) -> None:

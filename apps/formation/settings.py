@@ -86,7 +86,7 @@ class Safety:
 
 
 @dataclass(frozen=True, slots=True)
-class Members:
+class _Members:
     """What counts as lost. when_stopped: `leave` or `wait`."""
 
     when_stopped: str
@@ -118,7 +118,7 @@ class FormationSettings:
     sight: SightSettings
     tracking: Tracking
     safety: Safety
-    members: Members
+    members: _Members
     passages: Passages
 
     @classmethod

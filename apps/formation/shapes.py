@@ -1,8 +1,11 @@
-"""Shapes of formations as offsets from the leader: m, x forward and y to the left in the leader's frame."""
+"""Shapes of formations as offsets from the leader, and the assignment of robots to them.
+
+Offsets are in m, x forward and y to the left in the leader's frame.
+"""
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from itertools import combinations, count, islice
+from itertools import combinations, count, islice, permutations
 from pathlib import Path
 
 import configs
@@ -12,6 +15,8 @@ from geometry import Point
 FARTHEST = 20.0  # m; an offset beyond it is taken for a mistake of the unit
 FILE_KEY = "offsets_m"
 COLUMN = "column"
+MOST_EXACT = 7
+"""Robots for which all assignments are compared; 7 have 5040."""
 
 
 class ShapeError(ValueError):
@@ -139,3 +144,40 @@ def _check_apart(shape: str, points: Sequence[Point], nearest: float) -> None:
             raise ShapeError(
                 f"in {shape}, two robots are {math.dist(a, b):.2f} m apart; expected at least {nearest:.2f} m"
             )
+
+
+def assign(robots: Mapping[str, Point], points: Sequence[Point]) -> dict[str, int]:
+    """Assign each robot to a point of its own.
+
+    The sum of the squared distances is smallest, so that the straight ways do not cross and nobody has far to go. For
+    more than `MOST_EXACT` robots, pairs are exchanged until no exchange makes it smaller.
+
+    Args:
+        robots: Position by name, m.
+        points: As many, m, in the same frame.
+    Returns:
+        Index of the point by name; of equal assignments the first in the order of the names.
+    """
+    names = sorted(robots)
+    costs = [[math.dist(robots[name], point) ** 2 for point in points] for name in names]
+    if len(names) <= MOST_EXACT:
+        best = min(permutations(range(len(points))), key=lambda order: _cost(costs, order))
+        return dict(zip(names, best, strict=True))
+    return dict(zip(names, _exchanged(costs), strict=True))
+
+
+def _cost(costs: Sequence[Sequence[float]], order: Sequence[int]) -> float:
+    return sum(row[index] for row, index in zip(costs, order, strict=True))
+
+
+def _exchanged(costs: Sequence[Sequence[float]]) -> list[int]:
+    order = list(range(len(costs)))
+    is_better = True
+    while is_better:
+        is_better = False
+        for a in range(len(order)):
+            for b in range(a + 1, len(order)):
+                before = costs[a][order[a]] + costs[b][order[b]]
+                if costs[a][order[b]] + costs[b][order[a]] < before - 1e-9:
+                    order[a], order[b], is_better = order[b], order[a], True
+    return order

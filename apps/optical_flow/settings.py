@@ -11,7 +11,7 @@ SETTINGS = Path(__file__).with_name("settings.toml")
 
 
 @dataclass(frozen=True, slots=True)
-class RobotSize:
+class _RobotSize:
     """The hull, and where the camera is."""
 
     front_m: float
@@ -26,7 +26,7 @@ class RobotSize:
 
 
 @dataclass(frozen=True, slots=True)
-class FlowDrive:
+class _FlowDrive:
     """How the robot moves."""
 
     speed_m_s: float
@@ -41,7 +41,7 @@ class FlowDrive:
 
 
 @dataclass(frozen=True, slots=True)
-class SituationLimits:
+class _SituationLimits:
     """From where on an obstacle makes a situation."""
 
     near_s: float
@@ -52,7 +52,7 @@ class SituationLimits:
 
 
 @dataclass(frozen=True, slots=True)
-class MemorySettings:
+class _MemorySettings:
     """What is remembered of the surroundings."""
 
     range_m: float
@@ -75,7 +75,7 @@ class MemorySettings:
 
 
 @dataclass(frozen=True, slots=True)
-class CoverageSettings:
+class _CoverageSettings:
     """What a direction is worth."""
 
     directions: int
@@ -87,7 +87,7 @@ class CoverageSettings:
 
 
 @dataclass(frozen=True, slots=True)
-class FlowSafety:
+class _FlowSafety:
     """When the robot stops."""
 
     silent_s: float
@@ -98,7 +98,7 @@ class FlowSafety:
 
 
 @dataclass(frozen=True, slots=True)
-class FilmSettings:
+class _FilmSettings:
     """Frames of the film."""
 
     rate: float
@@ -122,13 +122,13 @@ class FlowSettings:
 
     period_s: float
     report_s: float
-    robot: RobotSize
-    drive: FlowDrive
-    situation: SituationLimits
-    memory: MemorySettings
-    coverage: CoverageSettings
-    safety: FlowSafety
-    film: FilmSettings
+    robot: _RobotSize
+    drive: _FlowDrive
+    situation: _SituationLimits
+    memory: _MemorySettings
+    coverage: _CoverageSettings
+    safety: _FlowSafety
+    film: _FilmSettings
     page: FlowPageSettings
 
     @classmethod

@@ -94,7 +94,7 @@ class ImageTransport:
         if item is None:
             head["is_empty"] = not streams
             if streams:
-                reason = result_trouble(stream.key, others) if place == RESULT else ""
+                reason = _result_trouble(stream.key, others) if place == RESULT else ""
                 head["words"] = reason or self._words(viewing, place, stream.silence)
             return head, None, sent
         if len(item.image) > self._times.most_bytes:
@@ -108,7 +108,7 @@ class ImageTransport:
         if item.values is not None:
             head["numbers"] = item.values.get("numbers")
         if place == ORIGINAL:
-            head["words"] = item.trouble or overlay_trouble(others)
+            head["words"] = item.trouble or _overlay_trouble(others)
             head["boxes"] = [
                 box for other in others if other.item for box in boxes(_source(other.key), other.item.values)
             ]
@@ -121,7 +121,7 @@ class ImageTransport:
         streams: dict[str, NewestItem] = {}
 
         def current() -> list[NewestItem]:
-            wanted = wanted_keys(viewing, place)
+            wanted = _wanted_keys(viewing, place)
             for key in set(open_now) - set(wanted):
                 open_now.pop(key).close()
                 del streams[key]
@@ -138,7 +138,7 @@ class ImageTransport:
                 each.close()
 
 
-def wanted_keys(viewing: Viewing, place: str) -> list[str]:
+def _wanted_keys(viewing: Viewing, place: str) -> list[str]:
     """Return the keys that a place needs: that of its image first, then those of overlays or of the vision agent."""
     if not (key := viewing.keys.get(place)):
         return []
@@ -146,7 +146,7 @@ def wanted_keys(viewing: Viewing, place: str) -> list[str]:
     return [key, *(AgentName(agent, viewing.robot).results_key for agent in beside)]
 
 
-def overlay_trouble(streams: Sequence[NewestItem]) -> str:
+def _overlay_trouble(streams: Sequence[NewestItem]) -> str:
     """Return what an agent whose blobs are drawn reports of the image; empty for nothing."""
     for stream in streams:
         if stream.item is not None and stream.item.trouble:
@@ -154,7 +154,7 @@ def overlay_trouble(streams: Sequence[NewestItem]) -> str:
     return ""
 
 
-def result_trouble(key: str, streams: Sequence[NewestItem]) -> str:
+def _result_trouble(key: str, streams: Sequence[NewestItem]) -> str:
     """Return what the vision agent reports of the stream of a result; empty for nothing."""
     for stream in streams:
         values = stream.item.values if stream.item is not None else None

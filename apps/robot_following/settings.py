@@ -12,7 +12,7 @@ SETTINGS = Path(__file__).with_name("settings.toml")
 
 
 @dataclass(frozen=True, slots=True)
-class DriveSettings:
+class _DriveSettings:
     """How the follower drives."""
 
     gap: float
@@ -79,7 +79,7 @@ class RoomSettings:
 
 
 @dataclass(frozen=True, slots=True)
-class ViewSettings:
+class _ViewSettings:
     """Where the camera is, and what is made of its pictures."""
 
     field_of_view: float
@@ -96,11 +96,11 @@ class FollowingSettings:
     report: float
     silent: float
 
-    drive: DriveSettings
+    drive: _DriveSettings
     leader: LeaderSettings
     search: SearchSettings
     room: RoomSettings
-    camera: ViewSettings
+    camera: _ViewSettings
 
 
 def load_settings(path: str | Path | None = None, changes: Mapping[str, Any] | None = None) -> FollowingSettings:

@@ -6,12 +6,12 @@
 from p2os_emu.surroundings import Touch, Touches, Truth
 from p2os_emu.world.engine import STEP
 from p2os_emu.world.errors import WorldError
-from p2os_emu.world.load import load_world
 from p2os_emu.world.moving_doors import MovingDoor
 from p2os_emu.world.people import Person
 from p2os_emu.world.robot_body import RobotBody
 from p2os_emu.world.spec import Block, WorldSpec
 from p2os_emu.world.world import World
+from p2os_emu.world.world_file import load_world
 
 __all__ = [
     "STEP",

@@ -69,7 +69,7 @@ def build_object_floor(client: PhysicsClient) -> int:
 
 def _plane(client: PhysicsClient, friction: float, group: Group) -> int:
     shape = client.createCollisionShape(engine.GEOM_PLANE)
-    body: int = client.createMultiBody(0.0, shape)
+    body: int = client.createMultiBody(0.0, shape, _drawn_shape(client))
     client.changeDynamics(body, HULL, lateralFriction=friction)
     _join(client, body, HULL, group)
     return body
@@ -151,14 +151,16 @@ def build_robot(client: PhysicsClient, chassis: Chassis, pose: Pose2D, links: Se
     sides = (chassis.wheel_track / 2, -chassis.wheel_track / 2)
     axles = [_from_mass(0.0, side, chassis.wheel_radius) for side in sides]
     everything = len(sides) + len(links)
+    drawn = _drawn_shape(client)
     body: int = client.createMultiBody(
         chassis.hull_mass,
         _hull_shape(client, chassis),
+        drawn,
         basePosition=mass_position(pose),
         baseOrientation=upright(pose.heading),
         linkMasses=[*[chassis.wheel_mass] * 2, *(link.mass for link in links)],
         linkCollisionShapeIndices=[wheel, wheel, *(_link_shape(client, link) for link in links)],
-        linkVisualShapeIndices=[-1] * everything,
+        linkVisualShapeIndices=[drawn] * everything,
         linkPositions=[*axles, *(_from_mass(*link.place) if link.parent is None else link.place for link in links)],
         linkOrientations=[[0.0, 0.0, 0.0, 1.0]] * everything,
         linkInertialFramePositions=[*[(0.0, 0.0, 0.0)] * 2, *(link.centre for link in links)],
@@ -254,6 +256,18 @@ def _hull_shape(client: PhysicsClient, chassis: Chassis) -> int:
         radii=[CASTER_RADIUS] * (len(spans) + 2),
         collisionFramePositions=[_from_mass(*place) for place in (*middles, *casters)],
     )
+    return shape
+
+
+def _drawn_shape(client: PhysicsClient) -> int:
+    """Return the shape that the engine draws of a body; -1 stands for all that collides.
+
+    Only a window draws them. For planes and spheres the engine makes meshes, which takes longer than the rest of a
+    small world.
+    """
+    if client.getConnectionInfo()["connectionMethod"] == engine.GUI:
+        return -1
+    shape: int = client.createVisualShape(engine.GEOM_BOX, halfExtents=[0.01] * 3)
     return shape
 
 

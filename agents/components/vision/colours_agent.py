@@ -14,7 +14,7 @@ from bus import Refused
 from bus.messages import CompressedImage
 
 if TYPE_CHECKING:  # these load OpenCV
-    from agents.components.vision.colour_tools import ColourTools
+    from agents.components.vision.image_tools import ColourTools
 
 SMALLEST = 4
 """Area in pixels that a blob has at least."""
@@ -49,7 +49,7 @@ class ColoursAgent(ImageAgent["ColourTools"]):
 
     def load_tools(self) -> "ColourTools":
         """Return the channels."""
-        from agents.components.vision.colour_tools import ColourTools
+        from agents.components.vision.image_tools import ColourTools
 
         return ColourTools(self._text, has_noise=self.has_noise)
 

@@ -10,7 +10,7 @@ from bus import MessageError, keys
 from bus.messages import NS_PER_S, CompressedImage, decode, stamp_ns
 
 if TYPE_CHECKING:  # these load OpenCV
-    from agents.components.vision.motion_tools import MotionTools
+    from agents.components.vision.image_tools import MotionTools
 
 _STILL = 0.005
 """m/s and rad/s, below which the robot stands."""
@@ -35,7 +35,7 @@ class MotionAgent(ImageAgent["MotionTools"]):
 
     def load_tools(self) -> "MotionTools":
         """Return what compares images."""
-        from agents.components.vision.motion_tools import MotionTools
+        from agents.components.vision.image_tools import MotionTools
 
         return MotionTools(has_noise=self.has_noise)
 

@@ -147,12 +147,13 @@ class ArmElement(AskedElement[ArmInformation | ArmReport]):
         self._instead(Command.ARM_POWER, int(on))
 
     def _meet(self, information: ArmInformation) -> None:
-        model = _pioneer_arm()
         self.version = information.version
-        makes_sense = all(each.ticks_per_90 > 0 and each.minimum < each.maximum for each in information.joints)
-        self.is_present = makes_sense and len(information.joints) == len(model.joints) + 1
+        joints = information.joints
+        makes_sense = all(each.ticks_per_90 > 0 and each.minimum < each.maximum for each in joints)
+        # A robot without an arm has no joints, and needs no model.
+        self.is_present = bool(joints) and makes_sense and len(joints) == len(self.model.joints) + 1
         if self.is_present:
-            self._scales = tuple(_scale(joint, figures, model) for joint, figures in enumerate(information.joints))
+            self._scales = tuple(_scale(joint, figures, self.model) for joint, figures in enumerate(joints))
 
     def _see(self, report: ArmReport) -> None:
         first, second, positions = report

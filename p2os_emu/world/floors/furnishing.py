@@ -40,7 +40,7 @@ class Piece(NamedTuple):
 Make = Callable[[Random], Piece]
 
 
-def solid(
+def _solid(
     name: str, lengths: tuple[float, float], depths: tuple[float, float], height: float, colour: str = "brown"
 ) -> Make:
     """Return what makes boxes that reach down to the floor, m."""
@@ -69,7 +69,7 @@ def table(
     return make
 
 
-def with_chairs(make: Make, sides: Sequence[int]) -> Make:
+def _with_chairs(make: Make, sides: Sequence[int]) -> Make:
     """Return what makes tables with chairs, some pulled out: one (1) or several at the front, and at the back (-1)."""
 
     def make_all(random: Random) -> Piece:
@@ -86,15 +86,15 @@ def with_chairs(make: Make, sides: Sequence[int]) -> Make:
 
 
 chair = table("chair", (0.4, 0.48), (0.4, 0.48), 0.46, (0.02, 0.035), "teal")
-cupboard = solid("cupboard", (0.8, 1.6), (0.35, 0.55), 1.8, "white")
-chest = solid("chest", (0.5, 1.0), (0.4, 0.6), 0.7)
-plant = solid("plant", (0.3, 0.45), (0.3, 0.45), 1.2, "green")
-sofa = solid("sofa", (1.6, 2.1), (0.8, 0.95), 0.8, "red")
-bed = solid("bed", (1.9, 2.1), (0.9, 1.6), 0.5, "blue")
-box = solid("box", (0.25, 0.6), (0.25, 0.6), 0.5, "orange")
+cupboard = _solid("cupboard", (0.8, 1.6), (0.35, 0.55), 1.8, "white")
+chest = _solid("chest", (0.5, 1.0), (0.4, 0.6), 0.7)
+plant = _solid("plant", (0.3, 0.45), (0.3, 0.45), 1.2, "green")
+sofa = _solid("sofa", (1.6, 2.1), (0.8, 0.95), 0.8, "red")
+bed = _solid("bed", (1.9, 2.1), (0.9, 1.6), 0.5, "blue")
+box = _solid("box", (0.25, 0.6), (0.25, 0.6), 0.5, "orange")
 stool = table("stool", (0.3, 0.36), (0.3, 0.36), 0.5, (0.02, 0.03), "purple")
-desk = with_chairs(table("desk", (1.2, 1.8), (0.7, 0.8)), (1,))
-dining = with_chairs(table("table", (1.0, 1.6), (0.8, 0.9)), (1, -1, 1, -1))
+desk = _with_chairs(table("desk", (1.2, 1.8), (0.7, 0.8)), (1,))
+dining = _with_chairs(table("table", (1.0, 1.6), (0.8, 0.9)), (1, -1, 1, -1))
 small_table = table("small table", (0.5, 0.8), (0.5, 0.6), 0.5)
 
 

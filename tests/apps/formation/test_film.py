@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from apps.film import SIDE, TopView
-from apps.formation.film import write_film
+from apps.formation.plots import write_film
 from apps.formation.record import FormationRecord
 from geometry import Pose2D
 from tests.apps.film_frames import frames_of

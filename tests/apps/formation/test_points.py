@@ -5,9 +5,9 @@ import math
 import numpy as np
 import pytest
 
-from apps.formation.assignment import assign
 from apps.formation.path import LeaderPath
 from apps.formation.settings import FormationSettings
+from apps.formation.shapes import assign
 from apps.formation.tracking import VirtualPoint, frame_point, path_point, twist_towards
 from geometry import Pose2D, Twist2D, integrate
 
