@@ -8,9 +8,9 @@ import numpy as np
 from apps.indoor_navigation.data import Bools, Floats, LaserRead, Pose, SonarRead
 
 SONAR_RANGE = 3.0  # m; an echo from farther away may be anywhere in the wide cone of the disc
-HALF_CONE = 0.45  # rad between the axis of a disc and the edge of its cone
+HALF_CONE = 0.35  # rad between the axis of a disc and the edge of its cone
 TAN_HALF_CONE = tan(HALF_CONE)
-RANGE_TOLERANCE = 0.2  # m by which a disc may measure less than the laser, for the same object
+RANGE_TOLERANCE = 0.12  # m between the ranges of disc and laser to the same object
 MIN_WATCHING = 2  # laser rays in the cone of a disc, above which the laser looks across it
 RAY_RADIUS = 0.02  # m from a ray within which it shows whether a place is free
 
@@ -114,7 +114,7 @@ class Rays:
         """Return these echoes of sonar without those that the laser explains.
 
         A disc measures the nearest object in a wide cone, for example a door frame beside the axis. Where the laser
-        hits something in the cone that is as near, the laser knows better where that is. What remains is too low or
+        hits something in the cone that is as near, the laser knows better where that is. What remains is too high or
         too transparent for the laser, or outside its view.
         """
         if not len(laser.end_x) or not len(self.end_x):
@@ -149,8 +149,8 @@ class Rays:
         x, y = laser.end_x - self.origin_x[:, None], laser.end_y - self.origin_y[:, None]
         c, s = np.cos(axis)[:, None], np.sin(axis)[:, None]
         is_in_cone = np.abs(c * y - s * x) <= TAN_HALF_CONE * (c * x + s * y)
-        reach = (length + RANGE_TOLERANCE)[:, None]
-        is_seen = (is_in_cone & (x * x + y * y <= reach * reach) & laser.hits).any(axis=1)
+        is_as_near = np.abs(np.hypot(x, y) - length[:, None]) <= RANGE_TOLERANCE
+        is_seen = (is_in_cone & is_as_near & laser.hits).any(axis=1)
         return np.asarray(is_seen), np.asarray(is_in_cone.sum(axis=1) > MIN_WATCHING)
 
 
