@@ -53,7 +53,7 @@ class Surroundings:
         chosen = _thinned(x, y, np.flatnonzero(is_kept))[-MAX_PLACES:]
         self._x, self._y, self._seen_at = x[chosen], y[chosen], seen_at[chosen]
         # Without echoes of remembered places: a door frame is beside the axis of a disc, not on it.
-        remembered = Rays(self._x, self._y, self._x, self._y, np.ones(len(self._x), bool))
+        remembered = Rays(self._x, self._y, self._x, self._y, np.ones(len(self._x), bool), np.zeros(len(self._x)))
         sonar = rays.where(~is_of_scanner)
         echoes = sonar.where(sonar.hits).unexplained_by(scanned.followed_by(remembered))
         self._echoes.hear(sonar, echoes.where(echoes.are_watched_by(scanned)), perceived.bodies)
@@ -64,7 +64,7 @@ class Surroundings:
         """Return x and y of all obstacles within `MAX_DISTANCE`, in the frame of a robot at a pose in odom."""
         hits = self._last.hits
         body_x, body_y = self._bodies.outlines()
-        echo_x, echo_y = self._echoes.places
+        echo_x, echo_y = self._echoes.sure_places
         x = np.concatenate((self._last.end_x[hits], self._x, echo_x, body_x))
         y = np.concatenate((self._last.end_y[hits], self._y, echo_y, body_y))
         x, y = in_robot(pose, x, y)

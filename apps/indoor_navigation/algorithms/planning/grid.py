@@ -15,11 +15,10 @@ from typing import NamedTuple
 import numpy as np
 
 from apps.indoor_navigation.algorithms.bodies import Bodies
-from apps.indoor_navigation.algorithms.echo_memory import REACH as ECHO_REACH
-from apps.indoor_navigation.algorithms.echo_memory import EchoMemory
+from apps.indoor_navigation.algorithms.echo_memory import HIGH_REACH, EchoMemory
 from apps.indoor_navigation.algorithms.perception import Perceived
 from apps.indoor_navigation.algorithms.planning.area import NEVER, OCCUPIED, PASSABLE, PASSED, Area
-from apps.indoor_navigation.algorithms.rays import HALF_CONE, Rays
+from apps.indoor_navigation.algorithms.rays import Rays
 from apps.indoor_navigation.data import Bools, Floats, Ints, ObstRead, Place
 
 HIT = 2  # evidence that a reading adds to a cell that a ray hits; it adds PASSED where a ray passes
@@ -171,7 +170,7 @@ class Grid:
             watched: Those where the laser looks.
             perceived: With bodies, whose echoes are not those of glass.
         """
-        near = self.area.around(perceived.pose[:2], margin=ECHO_REACH + SONAR_MOUNT)
+        near = self.area.around(perceived.pose[:2], margin=HIGH_REACH + SONAR_MOUNT)
         self._echoes.hear(sonar, watched.where(~_are_explained(watched, near)), perceived.bodies)
         self.area.echo[:] = False
         self.area.echo.reshape(-1)[self._flat(*self._echoes.places)] = True
@@ -254,7 +253,9 @@ def _are_explained(sonar: Rays, area: Area) -> Bools:
     x, y = area.x + (columns + 0.5) * area.resolution, area.y + (rows + 0.5) * area.resolution
     from_x, from_y = x - sonar.origin_x[:, None], y - sonar.origin_y[:, None]
     away = np.hypot(from_x, from_y)
-    is_in_cone = along_x[:, None] * from_x + along_y[:, None] * from_y > cos(HALF_CONE) * away * lengths
+    is_in_cone = (
+        along_x[:, None] * from_x + along_y[:, None] * from_y > np.cos(sonar.half_cones)[:, None] * away * lengths
+    )
     return np.asarray((is_in_cone & (np.abs(away - lengths) < ECHO_DEPTH)).any(axis=1))
 
 
