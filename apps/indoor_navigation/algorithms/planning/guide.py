@@ -8,7 +8,7 @@ from math import atan2, cos, hypot, inf, sin
 from apps.indoor_navigation.algorithms.planning.area import Area
 from apps.indoor_navigation.algorithms.planning.doors_map import thinned
 from apps.indoor_navigation.algorithms.planning.ground import Ground
-from apps.indoor_navigation.algorithms.planning.lattice import find_plan, turn_piece
+from apps.indoor_navigation.algorithms.planning.lattice import find_plan, missing_width, turn_piece
 from apps.indoor_navigation.algorithms.planning.memory import Memory, MemoryParameters
 from apps.indoor_navigation.algorithms.planning.plan import Motion, Plan, PlanPiece
 from apps.indoor_navigation.algorithms.planning.search import Way, length, way_aside
@@ -189,6 +189,10 @@ class Guide:
             return f"the goal {goal} is in a wall, or in something that stands there; choose another"
         if ground.is_barred(self.goal):
             return f"the goal {goal} is too near to a wall for this robot; choose another"
+        missing = missing_width(ground, self.goal, self._goal.tolerance)
+        if missing is not None:
+            lack, place = missing
+            return f"no way to {goal} is as wide as this robot: {lack:.2f} m are missing at {place_text(place)}"
         tried = len(self._memory.doors.believed)
         return f"no way leads to {goal}: all that can be reached was seen, and {tried} doors were tried"
 

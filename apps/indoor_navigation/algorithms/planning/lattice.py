@@ -11,6 +11,7 @@ Source: Dolgov, Thrun, Montemerlo, Diebel, "Practical search techniques in path 
 the rounds: Meyer, Sanders, "Delta-stepping: a parallelizable shortest path algorithm", 2003.
 """
 
+from dataclasses import replace
 from itertools import groupby, pairwise
 from math import ceil, copysign, pi
 from typing import NamedTuple
@@ -19,7 +20,7 @@ import numpy as np
 
 from apps.indoor_navigation.algorithms.planning.ground import Ground
 from apps.indoor_navigation.algorithms.planning.plan import Motion, Plan, PlanPiece
-from apps.indoor_navigation.algorithms.planning.search import NO_WAY, costs_to
+from apps.indoor_navigation.algorithms.planning.search import NO_WAY, costs_to, find_way
 from apps.indoor_navigation.algorithms.planning.terrain import BARRED
 from apps.indoor_navigation.data import Bools, Floats, Ints, Place, Pose
 
@@ -28,6 +29,7 @@ CELL = 0.1  # m, edge of a cell of places
 SPACING = 0.15  # m between two poses that are checked, and in turns rad
 STEP_COST = 0.15  # of the estimate, within which poses are handled together
 MAX_POSES = 50_000  # of a search; plans through offices need a few thousand
+WIDTH_STEP = 0.02  # m, to which the width is found that the robot would have to lack
 BETTER = 1e-3  # of costs, by which another way to a cell must be cheaper
 
 GREED = 1.3  # of the estimate; plans cost a few percent more than the cheapest, and are found ten times sooner
@@ -121,6 +123,32 @@ def find_plan(ground: Ground, goal: Place, tolerance: float) -> Plan | None:
     search = _Search(ground, goal, tolerance)
     last = search.run()
     return None if last is None else search.plan(last)
+
+
+def missing_width(ground: Ground, goal: Place, tolerance: float) -> tuple[float, Place] | None:
+    """Return by how many m the robot is too wide for every way to a place, and where; None where no way is.
+
+    Args:
+        ground: With the pose of the robot; no plan leads to the goal.
+        goal: In odom.
+        tolerance: m from it where a way may end.
+    """
+    found, least, most = None, 0.0, ground.outline.width / 2.0
+    while found is None or most - least > WIDTH_STEP:
+        lack = most if found is None else (least + most) / 2.0
+        flat = ground._replace(outline=replace(ground.outline, width=ground.outline.width - lack)).flat()
+        way = find_way(flat, ground.robot[:2], goal, tolerance)
+        if way is not None:
+            found, most = way, lack
+        elif found is None:
+            return None
+        else:
+            least = lack
+    points = np.concatenate([np.linspace(a, b, 20) for a, b in pairwise(found)])
+    places: list[Place] = [(float(x), float(y)) for x, y in points]
+    rows, columns = np.array([ground.area.cell(*place) for place in places]).T
+    room = ground.clearance.distances[rows, columns]
+    return max(ground.outline.width - 2.0 * float(room.min()), most), places[int(room.argmin())]
 
 
 def turn_piece(ground: Ground, heading: float) -> PlanPiece:

@@ -1,5 +1,6 @@
 """Missions in a closed loop: a robot that goes where it is told, in a house that it does not know."""
 
+import re
 from collections.abc import Callable
 from itertools import pairwise
 from math import hypot, inf, nan
@@ -204,6 +205,19 @@ def test_a_goal_that_cannot_be_reached_is_said_with_the_reason(goal: Place, reas
     assert robot.navigator.notes[-1].level == "error"
     assert robot.navigator.step(robot.time) == REST
     assert robot.nearest > TOUCH
+
+
+def test_a_robot_that_is_wider_than_every_door_says_how_much_is_missing_and_where() -> None:
+    rooms = House([]).box(0.0, 0.0, 8.0, 4.0).with_door((4.0, 0.0), (4.0, 4.0), 2.0, width=0.9)
+    robot = walker(rooms, (1.5, 2.0, 0.0))
+    robot.navigator.memory.outline = Outline(0.45, 0.45, 1.05)
+    robot.go(6.5, 2.0)
+    assert robot.run_to_end(120.0) == "failed"
+    said = re.search(r"([0-9.]+) m are missing at \(([0-9.]+), ([0-9.]+)\)", why(robot))
+    assert said is not None, why(robot)
+    missing, x, y = map(float, said.groups())
+    assert missing == pytest.approx(0.15, abs=0.06)
+    assert hypot(x - 4.0, y - 2.0) < 0.3
 
 
 def test_when_the_pose_jumps_all_is_forgotten_and_planned_anew() -> None:
