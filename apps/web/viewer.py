@@ -15,6 +15,8 @@ from nicegui.element import Element
 
 STYLE = Path(__file__).with_name("page.css")
 """The style sheet of pages with images."""
+SHARED = {"acromovi": str(Path(__file__).with_name("shared"))}
+"""JavaScript for the elements of pages, as `Element` takes it: `import { RequestLoop } from "acromovi/requests.js"`."""
 LENGTH = struct.Struct(">I")
 
 
@@ -30,7 +32,7 @@ def image_reply(head: Mapping[str, Any], image: bytes) -> bytes:
     return b"".join((LENGTH.pack(len(data)), data, image))
 
 
-class ImageViewer(Element, component="viewer.js"):
+class ImageViewer(Element, component="viewer.js", esm=SHARED):
     """An image that is requested, drawn, and requested again.
 
     Events: `point` {at, size}, `drag` {from, to, size, is_first}, `region` {region, size}, all in px of the image;

@@ -1,0 +1,81 @@
+"""Serves the console: bus, agent, websockets and pages in one event loop."""
+
+import socket
+import uuid
+from collections.abc import Callable
+from functools import partial
+
+from fastapi import FastAPI, WebSocket
+from nicegui import ui
+
+from agents.platform import Agent, AgentName, Container
+from apps.console.pages import PAGES, ROBOT_PAGE
+from apps.console.program import Console, ConsoleInputs
+from apps.console.settings import ConsoleSettings
+from apps.console.shell import STOP_PATH, begin_page
+from apps.web.access import PasswordGate, Sessions
+from apps.web.server import page_server, serve_pages
+from bus import Bus, NotAllowed
+
+PLATFORM = "apps"
+
+
+async def serve(
+    bus: Bus,
+    settings: ConsoleSettings,
+    inputs: ConsoleInputs,
+    sessions: Sessions | None,
+    listener: socket.socket,
+    host: str,
+    on_ready: Callable[[], None],
+) -> None:
+    """Serve the console until the program is told to end.
+
+    Args:
+        bus: The bus.
+        settings: Settings.
+        inputs: What is known at the start.
+        sessions: Who has given the password; None where none is asked for.
+        listener: The socket.
+        host: As given by the user.
+        on_ready: Called once the pages can be opened.
+    """
+    name = f"console-{uuid.uuid4().hex[:6]}"
+    async with Container(bus, name) as container:
+        agent = Agent(AgentName(name, bus.own_name or PLATFORM))
+        may_command = True
+        try:
+            await container.start(agent)
+        except NotAllowed:  # a certificate for looking only
+            may_command = False
+            await agent.look_on(container)
+        async with Console(agent, settings, inputs, may_command=may_command) as console:
+            app = _application(console)
+            if sessions is None:
+                server = page_server(app, "Acromovi", host)
+            else:
+                sessions.on_end = console.end_session
+                server = page_server(app, "Acromovi", host, lambda inner: PasswordGate(inner, sessions))
+            await serve_pages(server, listener, on_ready)
+
+
+def _application(console: Console) -> FastAPI:
+    """Return the application with all pages and websockets."""
+    app = FastAPI(openapi_url=None)
+
+    @app.post(STOP_PATH)
+    async def stop() -> dict[str, dict[str, str]]:
+        return {"robots": await console.stop_all()}
+
+    @app.websocket("/drive/{ticket}")
+    async def drive(websocket: WebSocket, ticket: str) -> None:
+        await console.serve_driver(websocket, ticket)
+
+    for page in PAGES:
+        ui.page(page.path)(partial(begin_page, console, page, PAGES))
+
+    @ui.page(f"{ROBOT_PAGE.path}/{{robot}}")
+    def page_of_robot(robot: str) -> None:
+        begin_page(console, ROBOT_PAGE, PAGES, robot)
+
+    return app
