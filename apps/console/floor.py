@@ -12,13 +12,14 @@ Point = tuple[float, float]
 class FloorPlan:
     """A map for drawing; lengths in m.
 
-    name: of the map, for people; empty without one. lines: walls without thickness, each x0, y0, x1, y1. shapes:
-    outlines of walls and furniture. points: that a laser saw. places: named points.
+    name: of the map, for people; empty without one. lines: walls without thickness, each x0, y0, x1, y1. shapes, things:
+    outlines of walls and of furniture. points: that a laser saw. places: named points.
     """
 
     name: str = ""
     lines: Sequence[tuple[float, float, float, float]] = ()
     shapes: Sequence[Sequence[Point]] = ()
+    things: Sequence[Sequence[Point]] = ()
     points: Sequence[Point] = ()
     places: Sequence[tuple[str, float, float]] = ()
 
@@ -33,6 +34,7 @@ class FloorPlan:
             "name": self.name,
             "lines": [[_mm(value) for value in line] for line in self.lines],
             "shapes": [[_mm(value) for point in shape for value in point] for shape in self.shapes],
+            "things": [[_mm(value) for point in thing for value in point] for thing in self.things],
             "points": [_mm(value) for point in self.points for value in point],
             "places": [[name, _mm(x), _mm(y)] for name, x, y in self.places],
         }

@@ -16,6 +16,8 @@ from agents.platform.errors import in_words
 from apps.console.driving import DriveCommand, DriveControl
 from apps.console.emulator import EmulatorControl
 from apps.console.floor import FloorPlan
+from apps.console.map_feed import MapFeed
+from apps.console.placing import FramePlaces
 from apps.console.robots import RobotWatch
 from apps.console.settings import ConsoleSettings
 from apps.console.timeline import Timeline
@@ -51,8 +53,8 @@ class Console:
     """The program behind the pages, for the time of a block.
 
     agent: asks all other agents. settings: of the application. inputs: of its start. may_command: whether the role on
-    the bus permits more than looking. robots: the robots. timeline: the events. directory: the agents. emulator: the
-    emulator; None without one. visits: the pages that are open, by ticket.
+    the bus permits more than looking. robots: the robots. timeline: the events. directory: the agents. map: the map.
+    emulator: the emulator; None without one. visits: the pages that are open, by ticket.
     """
 
     def __init__(self, agent: Agent, settings: ConsoleSettings, inputs: ConsoleInputs, *, may_command: bool) -> None:
@@ -71,7 +73,17 @@ class Console:
         self.directory = self._open.enter_context(Directory(bus))
         self.agent.listen("*/agents/monitor/results", self._hear_monitor, keep=64)
         self.agent.listen("*/navigation/user_interface/send/LogMessage", self._hear_mission, keep=64, keyed=True)
-        self._tasks = [asyncio.ensure_future(each) for each in (self._watch_drivers(), self._sample(), self._recall())]
+        self.map = MapFeed(
+            self.agent,
+            self.robots,
+            self.directory,
+            self.inputs.floor,
+            FramePlaces(self.inputs.starts),
+            self.emulator,
+            self.settings.map,
+        )
+        tasks = self._watch_drivers(), self._sample(), self._recall(), self.map.run()
+        self._tasks = [asyncio.ensure_future(each) for each in tasks]
         return self
 
     async def __aexit__(self, *error: object) -> None:

@@ -71,6 +71,10 @@ def _application(console: Console) -> FastAPI:
     async def drive(websocket: WebSocket, ticket: str) -> None:
         await console.serve_driver(websocket, ticket)
 
+    @app.websocket("/map/{ticket}")
+    async def map_updates(websocket: WebSocket, ticket: str) -> None:
+        await console.map.serve(websocket, lambda: ticket in console.visits)
+
     for page in PAGES:
         ui.page(page.path)(partial(begin_page, console, page, PAGES))
 
