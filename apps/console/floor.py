@@ -12,8 +12,8 @@ Point = tuple[float, float]
 class FloorPlan:
     """A map for drawing; lengths in m.
 
-    name: of the map, for people; empty without one. lines: walls without thickness, each x0, y0, x1, y1. shapes, things:
-    outlines of walls and of furniture. points: that a laser saw. places: named points.
+    name: of the map, for people; empty without one. lines: walls without thickness, each x0, y0, x1, y1. shapes and
+    things: outlines of walls and of furniture. points: that a laser saw. places: named points.
     """
 
     name: str = ""

@@ -22,9 +22,12 @@ from apps.console.robots import RobotWatch
 from apps.console.settings import ConsoleSettings
 from apps.console.timeline import Timeline
 from apps.console.visits import Visit
+from apps.remote_vision.program import RemoteVision
+from apps.remote_vision.settings import RemoteVisionSettings
 from bus import BusError, NotAllowed, keys
 from bus.aio import query
 from bus.keys import Topic
+from configs.extras import missing
 
 _PATIENCE = 10.0  # s for a request to an agent
 _ANSWER = 2.0  # s for a command to a gateway
@@ -54,12 +57,14 @@ class Console:
 
     agent: asks all other agents. settings: of the application. inputs: of its start. may_command: whether the role on
     the bus permits more than looking. robots: the robots. timeline: the events. directory: the agents. map: the map.
-    emulator: the emulator; None without one. visits: the pages that are open, by ticket.
+    vision: the cameras and their heads. can_aim: whether what aims a camera by its image is installed. emulator: the
+    emulator; None without one. visits: the pages that are open, by ticket.
     """
 
     def __init__(self, agent: Agent, settings: ConsoleSettings, inputs: ConsoleInputs, *, may_command: bool) -> None:
         self.agent, self.settings, self.inputs, self.may_command = agent, settings, inputs, may_command
         self.timeline = Timeline(agent.home.wall_time)
+        self.can_aim = not missing("vision")
         self.emulator = EmulatorControl(inputs.control) if inputs.control else None
         self.visits: dict[str, Visit] = {}
         self.agent_changes = 0
@@ -73,6 +78,7 @@ class Console:
         self.directory = self._open.enter_context(Directory(bus))
         self.agent.listen("*/agents/monitor/results", self._hear_monitor, keep=64)
         self.agent.listen("*/navigation/user_interface/send/LogMessage", self._hear_mission, keep=64, keyed=True)
+        self.vision = await self._open.enter_async_context(RemoteVision(self.agent, RemoteVisionSettings.load()))
         self.map = MapFeed(
             self.agent,
             self.robots,
@@ -191,11 +197,10 @@ class Console:
         The motion ends when the page is gone, since its request is cancelled, and with this program, since the agent
         watches its heartbeat.
         """
-        drive = self.drive_of(visit.robot)
-        if drive.holder is not visit or drive.is_latched:
-            self.say(visit, "take control first")
+        if not self.is_driver(visit):
+            self.say(visit, f"{element} was not moved: take control first")
             return
-        if token := drive.token(element):
+        if token := self.drive_of(visit.robot).token(element):
             arguments["token"] = token
 
         async def follow() -> None:
@@ -206,6 +211,11 @@ class Console:
         motion = asyncio.ensure_future(follow())
         visit.motions.add(motion)
         motion.add_done_callback(visit.motions.discard)
+
+    def is_driver(self, visit: Visit) -> bool:
+        """Return whether a page has control of its robot, and its browser is heard."""
+        drive = self._drives.get(visit.robot)
+        return drive is not None and drive.holder is visit and not drive.is_latched
 
     def why_not(self, topic: Topic, robots: Iterable[str] | None = None) -> str:
         """Return why this program may not send a command; empty if it may."""

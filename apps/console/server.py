@@ -71,6 +71,10 @@ def _application(console: Console) -> FastAPI:
     async def drive(websocket: WebSocket, ticket: str) -> None:
         await console.serve_driver(websocket, ticket)
 
+    @app.websocket("/images/{ticket}/{place}")
+    async def images(websocket: WebSocket, ticket: str, place: str) -> None:
+        await console.vision.transport.serve(websocket, ticket, place)
+
     @app.websocket("/map/{ticket}")
     async def map_updates(websocket: WebSocket, ticket: str) -> None:
         await console.map.serve(websocket, lambda: ticket in console.visits)
