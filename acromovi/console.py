@@ -8,7 +8,7 @@ import sys
 from collections.abc import Mapping
 from pathlib import Path
 
-from acromovi.options import add_bus, tcp_port
+from acromovi.options import add_apps, add_bus, tcp_port
 from acromovi.subcommand import Subcommand
 
 HOST, PORT = "127.0.0.1", 8090
@@ -43,6 +43,7 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--password-file", metavar="FILE", type=Path, default=password_file(), help="file of the password [%(default)s]"
     )
+    add_apps(parser)
     add_bus(parser)
 
 
@@ -71,7 +72,7 @@ def _run(arguments: argparse.Namespace) -> int:
     settings = ConsoleSettings.load(arguments.settings)
     floor = floor_plan(arguments.map) if arguments.map else floor_plan_of_team(arguments.team)
     starts: Mapping[str, tuple[float, float, float]] = starts_of_team(arguments.team)
-    inputs = ConsoleInputs(floor, starts, arguments.control, arguments.bus, str(Path.cwd()))
+    inputs = ConsoleInputs(floor, starts, arguments.control, arguments.bus, str(Path.cwd()), arguments.apps)
     password: PasswordHash | None = None
     if arguments.host not in LOOPBACK:
         password = PasswordHash.read(arguments.password_file)

@@ -4,15 +4,17 @@ import asyncio
 import json
 import secrets
 import time
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import AsyncExitStack
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any, Self
 
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from agents.platform import Agent, AgentError, Directory, Ending, NameNotValid, Outcome
 from agents.platform.errors import in_words
+from apps.console.applications import ApplicationRuns
 from apps.console.driving import DriveCommand, DriveControl
 from apps.console.emulator import EmulatorControl
 from apps.console.floor import FloorPlan
@@ -42,7 +44,8 @@ class ConsoleInputs:
 
     floor: walls, as far as they are known. starts: where robots began, x, y and heading in the frame of the floor, by
     name: the origins of their frames odom. control: path of the emulator's control socket; empty without one. bus: its
-    profile, for applications that are started. folder: where these write.
+    profile, for applications that are started. folder: where these write. folders: with applications, beside those of
+    the product.
     """
 
     floor: FloorPlan = field(default_factory=FloorPlan)
@@ -50,6 +53,7 @@ class ConsoleInputs:
     control: str = ""
     bus: str = ""
     folder: str = "."
+    folders: Sequence[Path] = ()
 
 
 class Console:
@@ -58,7 +62,7 @@ class Console:
     agent: asks all other agents. settings: of the application. inputs: of its start. may_command: whether the role on
     the bus permits more than looking. robots: the robots. timeline: the events. directory: the agents. map: the map.
     vision: the cameras and their heads. can_aim: whether what aims a camera by its image is installed. emulator: the
-    emulator; None without one. visits: the pages that are open, by ticket.
+    emulator; None without one. applications: those that run. visits: the pages that are open, by ticket.
     """
 
     def __init__(self, agent: Agent, settings: ConsoleSettings, inputs: ConsoleInputs, *, may_command: bool) -> None:
@@ -66,8 +70,8 @@ class Console:
         self.timeline = Timeline(agent.home.wall_time)
         self.can_aim = not missing("vision")
         self.emulator = EmulatorControl(inputs.control) if inputs.control else None
+        self.applications = ApplicationRuns(inputs.bus, inputs.folder, inputs.folders)
         self.visits: dict[str, Visit] = {}
-        self.agent_changes = 0
         self._drives: dict[str, DriveControl] = {}
         self._count = 0
         self._open = AsyncExitStack()
@@ -96,6 +100,7 @@ class Console:
         for task in self._tasks:
             task.cancel()
         await asyncio.gather(*(drive.close() for drive in self._drives.values()), return_exceptions=True)
+        await self.applications.close()
         await self._open.aclose()
 
     # Pages.

@@ -74,11 +74,6 @@ class ArmPanel:
 
 def _is_joint(row: Any) -> bool:
     match row:
-        case {
-            "name": str(),
-            "lower": int() | float() as low,
-            "upper": int() | float() as high,
-            "home": int() | float(),
-        }:
-            return bool(low < high)
+        case {"name": str(), "lower": int() | float() as low, "upper": int() | float() as high, "home": home}:
+            return isinstance(home, int | float) and bool(low < high)
     return False

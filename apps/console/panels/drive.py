@@ -96,7 +96,7 @@ class DrivePanel:
             await drive.take(self._visit, robot.elements)
         self.refresh()
 
-    def _choose(self, index: int, event: ValueChangeEventArguments) -> None:
+    def _choose(self, index: int, event: ValueChangeEventArguments[float]) -> None:
         if not self._console.may_command:
             return
         drive = self._console.drive_of(self._visit.robot)
