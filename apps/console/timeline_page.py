@@ -3,6 +3,7 @@
 import time
 
 from nicegui import ui
+from nicegui.element import Element
 from nicegui.events import ValueChangeEventArguments
 
 from apps.console.page import panel
@@ -12,6 +13,14 @@ from apps.console.visits import Visit
 
 _REFRESH = 0.5  # s
 _MOST = 200  # events shown
+
+
+class _EventTable(Element, component="event_table.js"):
+    """A table of events; the browser makes the rows, since hundreds of elements would hold up the console."""
+
+    def show(self, rows: list[list[str]]) -> None:
+        """Show rows: time, kind, about, what."""
+        self._props["rows"] = rows
 
 
 def build(console: Console, visit: Visit) -> None:
@@ -31,12 +40,7 @@ class _TimelinePage:
                     ui.checkbox(
                         kind, value=True, on_change=lambda event, kind=kind: self._switch(kind, event.value)
                     ).props("dense")
-            with ui.element("table").classes("c-table"):
-                with ui.element("thead"), ui.element("tr"):
-                    for title in ("Time", "Kind", "About", "What"):
-                        with ui.element("th").props('scope="col"'):
-                            ui.label(title)
-                self._rows = ui.element("tbody").props('aria-live="polite"')
+            self._table = _EventTable()
         self._refresh()
         ui.timer(_REFRESH, self._refresh)
 
@@ -51,19 +55,8 @@ class _TimelinePage:
             return
         self._shown = shown
         events = self._console.timeline.newest(_MOST, kinds, about)
-        self._rows.clear()
-        with self._rows:
-            for event in events:
-                with ui.element("tr"):
-                    clock = time.strftime("%H:%M:%S", time.localtime(event.time))
-                    for words, look in (
-                        (clock, "c-numbers c-quiet"),
-                        (event.kind, f"c-kind c-kind-{event.kind}"),
-                        (event.about, "c-strong"),
-                        (event.what, ""),
-                    ):
-                        with ui.element("td"):
-                            ui.label(words).classes(look)
-            if not events:
-                with ui.element("tr"), ui.element("td").props("colspan=4"):
-                    ui.label("nothing has happened that these filters show").classes("c-quiet")
+        self._table.show([[_clock(event.time), event.kind, event.about, event.what] for event in events])
+
+
+def _clock(at: float) -> str:
+    return time.strftime("%H:%M:%S", time.localtime(at))
