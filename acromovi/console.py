@@ -3,19 +3,20 @@
 import argparse
 import asyncio
 import getpass
+import json
 import os
 import sys
 from collections.abc import Mapping
 from pathlib import Path
 
-from acromovi.options import add_apps, add_bus, tcp_port
+from acromovi.options import CONSOLE_PORT, add_apps, add_bus, tcp_port
 from acromovi.subcommand import Subcommand
 
-HOST, PORT = "127.0.0.1", 8090
+HOST = "127.0.0.1"
 EPILOG = f"""\
 examples:
   acromovi console
-      then open http://{HOST}:{PORT}/ in a browser, and end with Ctrl-C
+      then open http://{HOST}:{CONSOLE_PORT}/ in a browser, and end with Ctrl-C
   acromovi console --team acromovi
       with the walls of the team's world, and the robots where they began
   acromovi console --map floor.map
@@ -34,7 +35,9 @@ Ctrl-C, 143 by SIGTERM; robots that are driven from a page stop in every case.
 
 def _add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--host", default=HOST, help="serve at this address of the computer [%(default)s]")
-    parser.add_argument("--port", type=tcp_port, default=PORT, help="serve on this TCP port, 0 for any [%(default)s]")
+    parser.add_argument(
+        "--port", type=tcp_port, default=CONSOLE_PORT, help="serve on this TCP port, 0 for any [%(default)s]"
+    )
     parser.add_argument("--team", metavar="TEAM", help="team whose world and starts are shown: a name or a file")
     parser.add_argument("--map", metavar="FILE", type=Path, help="show these walls: an ARIA .map or a world file")
     parser.add_argument("--control", metavar="PATH", default="", help="control socket of the emulator, for faults")
@@ -43,6 +46,7 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--password-file", metavar="FILE", type=Path, default=password_file(), help="file of the password [%(default)s]"
     )
+    parser.add_argument("--json", action="store_true", help='print one line of JSON once it serves: {"console": URL}')
     add_apps(parser)
     add_bus(parser)
 
@@ -77,7 +81,8 @@ def _run(arguments: argparse.Namespace) -> int:
     if arguments.host not in LOOPBACK:
         password = PasswordHash.read(arguments.password_file)
     with listening(arguments.host, arguments.port) as listener, ZenohBus.open(arguments.bus) as bus:
-        words = f"console: {address(listener, arguments.host)} (Ctrl-C ends it)"
+        url = address(listener, arguments.host)
+        words = json.dumps({"console": url}) if arguments.json else f"console: {url} (Ctrl-C ends it)"
 
         async def hold() -> None:
             access = settings.access

@@ -7,6 +7,9 @@ from typing import Any
 
 from configs.defaults import VARIABLE, default_bus
 
+CONSOLE_PORT = 8090
+"""TCP port of the web console."""
+
 
 def add_bus(parser: argparse.ArgumentParser) -> None:
     """Add `--bus`."""
