@@ -236,7 +236,7 @@ class Console:
     def _take_command(self, visit: Visit, command: DriveCommand) -> None:
         drive = self._drives.get(visit.robot)
         if drive is not None and drive.holder is visit:
-            drive.drive(visit, command)
+            drive.drive(visit, command, asyncio.get_running_loop().time())
 
     def _drive_reply(self, visit: Visit) -> dict[str, Any]:
         drive = self._drives.get(visit.robot)
@@ -254,7 +254,12 @@ class Console:
 
     async def _watch_drivers(self) -> None:
         """Look after the drivers, again and again. An error ends one look, and never the watch."""
-        await self._again(_CHECK, lambda: asyncio.gather(*(drive.check() for drive in self._drives.values())))
+        loop = asyncio.get_running_loop()
+
+        async def check() -> None:
+            await asyncio.gather(*(drive.check(loop.time()) for drive in self._drives.values()))
+
+        await self._again(_CHECK, check)
 
     async def _sample(self) -> None:
         async def sample() -> None:
@@ -272,10 +277,12 @@ class Console:
 
     async def _recall(self) -> None:
         """Read what a monitor has noted before the console was started."""
+        begun = self.agent.home.wall_time()
         for description in await self.directory.search(service="monitoring"):
             outcome = await self.ask(str(description.name), "events", last=_KNOWN_EVENTS)
             for event in outcome.result if outcome.is_done and isinstance(outcome.result, list) else []:
-                self.timeline.hear_monitor(event)
+                if isinstance(event, Mapping) and event.get("time", begun) < begun:
+                    self.timeline.hear_monitor(event)
 
     async def _hear_monitor(self, event: Any) -> None:
         if isinstance(event, Mapping):

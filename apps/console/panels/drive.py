@@ -1,5 +1,6 @@
 """The panel for driving: control by lease, keys, a joystick on the screen, a gamepad."""
 
+import asyncio
 from functools import partial
 
 from nicegui import ui
@@ -93,7 +94,7 @@ class DrivePanel:
             if drive.holder is self._visit:
                 await drive.release()
         else:
-            await drive.take(self._visit, robot.elements)
+            await drive.take(self._visit, robot.elements, asyncio.get_running_loop().time())
         self.refresh()
 
     def _choose(self, index: int, event: ValueChangeEventArguments[float]) -> None:

@@ -139,7 +139,7 @@ def test_a_second_driver_sees_who_drives_and_can_stop_without_a_lease(
     tab.release("ArrowLeft")
     other.press("Release the stop")
     other.press("Release")
-    other.page.get_by_text("E-STOP").first.wait_for(state="hidden")
+    other.page.locator(".c-chip.c-alarm").first.wait_for(state="hidden")
     other.close()
 
 
