@@ -143,8 +143,7 @@ class DriveControl:
             return "take control first"
         age = now - command.tick
         if not 0.0 <= age <= self._limits.old_s:
-            self.halt()
-            self._is_latched = True
+            self.latch()
             return f"the command is {max(age, 0.0):.1f} s old and was not obeyed"
         self._heard_at = now
         if self._is_latched:
@@ -166,6 +165,11 @@ class DriveControl:
         if self._zeros < _ZEROS:
             self._zeros += 1
             self._publish(0.0, 0.0)
+
+    def latch(self) -> None:
+        """Stop the robot until its driver has let go, since a person or an emergency stop has stopped it."""
+        self.halt()
+        self._is_latched = True
 
     async def check(self, now: float) -> None:
         """Stop the robot if the driver is silent at a time, s, and release the leases if that lasts. Call it often."""

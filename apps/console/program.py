@@ -15,7 +15,7 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 from agents.platform import Agent, AgentError, Directory, Ending, NameNotValid, Outcome
 from agents.platform.errors import in_words
 from apps.console.applications import ApplicationRuns
-from apps.console.driving import DriveCommand, DriveControl
+from apps.console.driving import BASE, DriveCommand, DriveControl
 from apps.console.emulator import EmulatorControl
 from apps.console.floor import FloorPlan
 from apps.console.map_feed import MapFeed
@@ -127,6 +127,8 @@ class Console:
         """End all pages of somebody who has logged out, or whose time is over."""
         for visit in [each for each in self.visits.values() if each.session == session]:
             await self.end_visit(visit)
+            if visit.on_end is not None:
+                visit.on_end()
 
     def say(self, visit: Visit, words: str) -> None:
         """Show a page what has happened."""
@@ -168,6 +170,8 @@ class Console:
         It needs no lease.
         """
         robots = [robot.name for robot in self.robots.robots.values() if robot.is_there]
+        for drive in self._drives.values():
+            drive.latch()
         replies = await asyncio.gather(*(self.command(robot, keys.ESTOP, on=True) for robot in robots))
         told = {robot: why or "stopped" for robot, why in zip(robots, replies, strict=True)}
         failed = {robot: why for robot, why in told.items() if why != "stopped"}
@@ -177,7 +181,13 @@ class Console:
 
     async def release_stop(self, robot: str) -> str:
         """Release a robot's emergency stop and switch its motors on; return why that failed, empty if it did not."""
-        return await self.command(robot, keys.ESTOP, on=False) or await self.command(robot, keys.ENABLE, on=True)
+        return await self.command(robot, keys.ESTOP, on=False) or await self.enable(robot, on=True)
+
+    async def enable(self, robot: str, *, on: bool) -> str:
+        """Switch a robot's motors, though a page drives it; return why that failed, empty if it did not."""
+        drive = self._drives.get(robot)
+        token = drive.token(BASE) if drive is not None else ""
+        return await self.command(robot, keys.ENABLE, on=on, **({"token": token} if token else {}))
 
     async def command(self, robot: str, topic: Topic, **arguments: Any) -> str:
         """Send a command to a robot's gateway; return why it was not carried out, empty if it was."""
@@ -257,6 +267,10 @@ class Console:
         loop = asyncio.get_running_loop()
 
         async def check() -> None:
+            for drive in self._drives.values():
+                robot = self.robots.robots.get(drive.robot)
+                if robot is not None and robot.is_stopped:
+                    drive.latch()
             await asyncio.gather(*(drive.check(loop.time()) for drive in self._drives.values()))
 
         await self._again(_CHECK, check)

@@ -1,10 +1,12 @@
 """The frame of all pages: the robots and their state, the red button, navigation, theme."""
 
+import asyncio
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 from urllib.parse import quote
 
-from nicegui import ui
+from nicegui import Client, ui
 from nicegui.element import Element
 
 from apps.console.health import standing
@@ -20,6 +22,7 @@ STOP_PATH = "/stop"
 _THEME = "acromovi-theme"  # cookie
 _YEAR = 31_536_000  # s
 _REFRESH = 0.3  # s
+_PARTING = 0.5  # s for a page to hear that its session has ended
 
 
 class StopButton(Element, component="stop_button.js"):
@@ -44,6 +47,7 @@ def begin_page(console: Console, page: ConsolePage, pages: Sequence[ConsolePage]
     visit = console.begin_visit(client.ip or "?", cookies.get(COOKIE, ""))
     visit.robot = robot
     client.on_delete(lambda: console.end_visit(visit))
+    visit.on_end = partial(_end_page, client)
     ui.add_css(STYLE)
     ui.add_css(CONSOLE_STYLE)
     ui.page_title(f"{page.title} · Acromovi")
@@ -139,6 +143,12 @@ def _theme_button(dark: ui.dark_mode) -> None:
     with ui.button(icon=icon).props('flat round dense aria-label="Theme"') as button, ui.menu():
         for name, _, value in themes:
             ui.menu_item(f"{name.capitalize()} theme", lambda name=name, value=value: choose(name, value))
+
+
+def _end_page(client: Client) -> None:
+    """Show the page for the password, and take no more orders from this one."""
+    client.run_javascript("location.assign('/login')")
+    asyncio.get_running_loop().call_later(_PARTING, client.delete)
 
 
 def _log_out() -> None:

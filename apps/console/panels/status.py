@@ -72,7 +72,7 @@ class StatusPanel:
     async def _switch_motors(self) -> None:
         robot = self._console.robots.robots[self._visit.robot]
         on = not (robot.state is not None and robot.state.motors)
-        why = await self._console.command(robot.name, keys.ENABLE, on=on)
+        why = await self._console.enable(robot.name, on=on)
         self._console.say(self._visit, f"{robot.name}: {why or ('motors on' if on else 'motors off')}")
 
     async def _stop(self) -> None:
