@@ -19,6 +19,7 @@ from playwright.sync_api import Browser, Page, sync_playwright
 from tools.page_picture import FOLDER, shrink, started
 
 SIZE, PHONE = {"width": 1280, "height": 800}, {"width": 390, "height": 800}  # px
+TRIES = 10
 GAP = 24  # px between the pictures of phones
 TEAM = """\
 world = "office"
@@ -93,12 +94,16 @@ def _send(page: Page) -> None:
 
 
 def _drive(page: Page) -> None:
-    """Drive doc ahead."""
+    """Drive doc ahead; again, while a busy machine holds the browser up."""
     page.get_by_role("button", name="Take control").first.click()
     page.get_by_text("You drive.").wait_for()
-    page.wait_for_timeout(300)
-    page.keyboard.down("ArrowUp")
-    page.wait_for_timeout(1500)
+    for _ in range(TRIES):
+        page.keyboard.up("ArrowUp")
+        page.wait_for_timeout(400)
+        page.keyboard.down("ArrowUp")
+        page.wait_for_timeout(1500)
+        if not page.get_by_text("stopped: let go").count():
+            return
 
 
 def _inject(page: Page) -> None:
