@@ -41,7 +41,7 @@ ELSEWHERE = {
     "acromovi camera calibrate doc --board 9x6 --into my-team.toml doc": CALIBRATION,
     "acromovi camera calibrate views/*.png --board 9x6 --into my-team.toml doc": CALIBRATION,
     "acromovi remote-vision happy": "tests/apps/remote_vision, on any free port",
-    "acromovi up acromovi --console": "tests/acromovi/test_console.py, on any free port",
+    "acromovi up acromovi --console": "tests/apps/console, with two robots",
     "acromovi console": CONSOLE,
     "acromovi console --password": "tests/acromovi/test_console.py, with another file",
     "acromovi console --host 0.0.0.0": CONSOLE,
