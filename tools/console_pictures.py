@@ -16,7 +16,7 @@ from shutil import which
 from PIL import Image
 from playwright.sync_api import Browser, Page, sync_playwright
 
-from tools.page_picture import FOLDER, shrink, started
+from tools.page_picture import FOLDER, started
 
 SIZE, PHONE = {"width": 1280, "height": 800}, {"width": 390, "height": 800}  # px
 TRIES = 10
@@ -74,7 +74,6 @@ def _take(browser: Browser, url: str, path: str, theme: str, file: Path, act: Ac
         page.mouse.move(5, size["height"] - 100)
         page.wait_for_timeout(1200)  # ms, until everything is drawn
         page.screenshot(path=file)
-    shrink(file)
     print(file)
 
 
@@ -123,7 +122,6 @@ def _side_by_side(files: list[Path], to: Path) -> None:
         page.paste(picture, (at, 0))
         at += picture.width + GAP
     page.save(to)
-    shrink(to)
     print(to)
 
 
