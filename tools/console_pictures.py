@@ -148,7 +148,7 @@ def main(arguments: list[str]) -> None:
             _take(browser, url, "/faults", "light", folder / "console-faults.png", _inject)
             _take(browser, url, "/timeline", "dark", folder / "console-timeline.png", _look)
             _take(browser, url, "/applications", "light", folder / "console-applications.png", _look)
-            phones = [("/?robot=happy", "light", _look), ("/robot/doc", "dark", _drive), ("/timeline", "light", _look)]
+            phones = [("/?robot=happy", "light", _look), ("/robot/doc", "dark", _drive), ("/faults", "light", _inject)]
             files = [Path(scratch) / f"{number}.png" for number in range(len(phones))]
             for (path, theme, act), file in zip(phones, files, strict=True):
                 _take(browser, url, path, theme, file, act, PHONE)
