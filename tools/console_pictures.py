@@ -112,6 +112,16 @@ def _inject(page: Page) -> None:
     page.wait_for_timeout(500)
 
 
+def _start(page: Page) -> None:
+    """Let sneezy wander, and show the output."""
+    page.get_by_label("Application").first.click()
+    page.get_by_role("option", name="wander", exact=True).click()
+    page.get_by_label("robot", exact=True).fill("sneezy")
+    page.get_by_role("button", name="Start", exact=True).click()
+    page.get_by_role("button", name="wander robot=sneezy").click()
+    page.wait_for_timeout(8000)  # ms, until it drives
+
+
 def _side_by_side(files: list[Path], to: Path) -> None:
     """Join pictures of phones."""
     pictures = [Image.open(file).convert("RGB") for file in files]
@@ -147,7 +157,7 @@ def main(arguments: list[str]) -> None:
             _take(browser, url, "/robot/max", "light", folder / "console-robot.png", _look)
             _take(browser, url, "/faults", "light", folder / "console-faults.png", _inject)
             _take(browser, url, "/timeline", "dark", folder / "console-timeline.png", _look)
-            _take(browser, url, "/applications", "light", folder / "console-applications.png", _look)
+            _take(browser, url, "/applications", "light", folder / "console-applications.png", _start)
             phones = [("/?robot=happy", "light", _look), ("/robot/doc", "dark", _drive), ("/faults", "light", _inject)]
             files = [Path(scratch) / f"{number}.png" for number in range(len(phones))]
             for (path, theme, act), file in zip(phones, files, strict=True):
