@@ -36,6 +36,7 @@ COMMANDS = {
     "wire": ("acromovi.wire", "Show what flows on a robot's cable, live or recorded"),
     "doctor": ("acromovi.doctor", "Say what is wrong with a port, a robot or this machine"),
     "try": ("acromovi.scenes.play", "See an accessory, a line or a fault at work, in a few seconds"),
+    "console": ("acromovi.console", "See and drive a whole team in a browser"),
     "remote-vision": ("acromovi.remote_vision", "See through the cameras of a team in a browser, and turn them"),
     "camera": ("acromovi.camera", "Calibrate a camera by views of a chessboard"),
     "localize": ("acromovi.localize", "Find out where a robot is on a map, and follow it there"),

@@ -7,6 +7,9 @@ from typing import Any
 
 from configs.defaults import VARIABLE, default_bus
 
+CONSOLE_PORT = 8090
+"""TCP port of the web console."""
+
 
 def add_bus(parser: argparse.ArgumentParser) -> None:
     """Add `--bus`."""
@@ -76,3 +79,10 @@ def count(text: str) -> int:
     if value < 1:
         raise argparse.ArgumentTypeError(f"{text} is not a positive whole number")
     return value
+
+
+def tcp_port(text: str) -> int:
+    """A TCP port."""
+    if not (text.isdecimal() and int(text) < 1 << 16):
+        raise argparse.ArgumentTypeError(f"{text} is not a TCP port; give a number from 0 to 65535")
+    return int(text)

@@ -4,7 +4,7 @@ import argparse
 import asyncio
 from pathlib import Path
 
-from acromovi.options import add_bus
+from acromovi.options import add_bus, tcp_port
 from acromovi.subcommand import Subcommand
 
 HOST, PORT = "127.0.0.1", 8080
@@ -24,7 +24,7 @@ Ctrl-C, 143 by SIGTERM; the head stops in every case.
 def _add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("robot", metavar="ROBOT", help="robot whose camera is shown first; the page lists the others")
     parser.add_argument("--host", default=HOST, help="serve at this address of the computer [%(default)s]")
-    parser.add_argument("--port", type=_port, default=PORT, help="serve on this TCP port, 0 for any [%(default)s]")
+    parser.add_argument("--port", type=tcp_port, default=PORT, help="serve on this TCP port, 0 for any [%(default)s]")
     parser.add_argument("--settings", metavar="FILE", type=Path, help="change settings of the application")
     add_bus(parser)
 
@@ -51,13 +51,6 @@ def _run(arguments: argparse.Namespace) -> int:
         except RobotError as err:
             raise ConfigError(str(err)) from err
     return 0
-
-
-def _port(text: str) -> int:
-    """A TCP port."""
-    if not (text.isdecimal() and int(text) < 1 << 16):
-        raise argparse.ArgumentTypeError(f"{text} is not a TCP port; give a number from 0 to 65535")
-    return int(text)
 
 
 COMMAND = Subcommand(EPILOG, _add_arguments, _run)

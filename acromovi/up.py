@@ -10,7 +10,7 @@ from collections.abc import Awaitable, Callable, Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from acromovi.options import add_apps, add_bus, seconds
+from acromovi.options import CONSOLE_PORT, add_apps, add_bus, seconds, tcp_port
 from acromovi.subcommand import Subcommand
 
 if TYPE_CHECKING:
@@ -32,8 +32,10 @@ examples:
   acromovi up acromovi --only happy,doc
   acromovi up acromovi --bus secure:keys
       on a bus with keys, each robot with its own, robot.NAME, and what looks after all with admin.acromovi
+  acromovi up acromovi --console
+      with the web console (docs/console.md), whose address is printed once all serve
   acromovi up acromovi --json --quiet   one line once all serve:
-      {"console": null, "robots": [NAME, ...], "control": PATH}
+      {"console": URL or null, "robots": [NAME, ...], "control": PATH}
   acromovi up my-team.toml --check      check the file, ports and extras; start nothing
   acromovi up my-team.toml --only happy --units ~/.config/systemd/user
       write units of systemd that start the gateway and the agents of this robot when its own computer boots
@@ -65,6 +67,14 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
     instead.add_argument(
         "--units", type=Path, metavar="DIR", help="write units of systemd for the real robots, and start nothing"
     )
+    parser.add_argument(
+        "--console",
+        metavar="PORT",
+        nargs="?",
+        type=tcp_port,
+        const=CONSOLE_PORT,
+        help=f"start the web console as well, on this TCP port, 0 for any [{CONSOLE_PORT}]",
+    )
     parser.add_argument("--json", action="store_true", help="print one line of JSON once all serve")
     parser.add_argument("--quiet", action="store_true", help="print errors only")
     add_bus(parser)
@@ -84,8 +94,10 @@ def _run(arguments: argparse.Namespace) -> int:
         return _write_units(team, arguments)
     if team.emulated:
         require("a team with emulated robots", "emu")
+    if arguments.console is not None:
+        require("acromovi up --console", "console")
     keys = folder_of_keys(arguments.bus, team.name, [robot.name for robot in team.robots])
-    choices = TeamOptions(arguments.bus, arguments.seed, tuple(arguments.apps), keys)
+    choices = TeamOptions(arguments.bus, arguments.seed, tuple(arguments.apps), keys, arguments.console)
     with tempfile.TemporaryDirectory(prefix=FOLDER, ignore_cleanup_errors=True) as folder:
         try:
             return asyncio.run(_hold(team, choices, Path(folder), arguments))
@@ -166,9 +178,13 @@ async def _hold(team: "TeamPlan", choices: "TeamOptions", folder: Path, argument
             robots = await at_work.come_up(arguments.timeout or STARTING_TIME)
             if at_work.control is not None:
                 tell(f"faults and truth of the emulated ones: {at_work.control}")
+            if at_work.console is not None:
+                tell(f"console: {at_work.console}")
             tell(_greeting(team, robots))
             if arguments.json:
-                print(json.dumps({"console": None, "robots": robots, "control": at_work.control}), flush=True)
+                print(
+                    json.dumps({"console": at_work.console, "robots": robots, "control": at_work.control}), flush=True
+                )
 
         return 128 + await keep_up(at_work, processes, come_up, asked_to_end)
 

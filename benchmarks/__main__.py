@@ -46,6 +46,7 @@ GROUPS = {
     "localization": "localization on true maps by laser and sonar, in lockstep; writes localization.md and pictures",
     "vision": "colours, target and time to contact in drawn images, and the delay of the vision agents",
     "remote_vision": "age of an image when the browser has drawn it: over loopback, and with delay and loss",
+    "console": "processor time and memory of the web console, age of its map, and how soon a joystick reaches the line",
     "flood": "how soon an e-stop is obeyed while other programs flood the gateway",
     "recovery": "how soon a gateway is received again after it or its subscriber was frozen",
     "soak": "memory, threads and descriptors of a team while sessions join and leave; writes soak.csv",

@@ -44,7 +44,7 @@ TOP, BOTTOM = 0.45, 0.55  # likewise of its height
 
 
 @contextmanager
-def _started(*words: str, answer: str) -> Iterator[str]:
+def started(*words: str, answer: str) -> Iterator[str]:
     """Start a command; gives the first line that it prints, which contains a word."""
     command = [sys.executable, "-m", "acromovi", *words]
     with subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, text=True) as process:
@@ -93,8 +93,8 @@ def main(arguments: list[str]) -> None:
         team = Path(scratch) / "team.toml"
         team.write_text(TEAM)
         with (
-            _started("up", str(team), "--bus", bus, answer="Ctrl-C ends the team"),
-            _started("remote-vision", "happy", "--port", "0", "--bus", bus, answer="http://") as line,
+            started("up", str(team), "--bus", bus, answer="Ctrl-C ends the team"),
+            started("remote-vision", "happy", "--port", "0", "--bus", bus, answer="http://") as line,
             sync_playwright() as playwright,
         ):
             browser = playwright.chromium.launch(executable_path=chromium, args=["--no-sandbox"])

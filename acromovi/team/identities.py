@@ -18,12 +18,14 @@ class TeamOptions:
 
     apps: folders of applications that the team's agents may start.
     keys: the folder where each process has a key of its own for the bus; None where all come as the bus says.
+    console: TCP port of the web console; None where none is started.
     """
 
     bus: str = "local"
     seed: int | None = None
     apps: tuple[Path, ...] = ()
     keys: Path | None = None
+    console: int | None = None
 
     def bus_of_robot(self, robot: str) -> str:
         """Return the bus options of a robot's gateway and agents, with the robot's key."""

@@ -221,6 +221,17 @@ class TeamProcesses:
             "the container of services", ProcessKind.AGENTS, _python("acromovi", *words), container=SERVICES
         )
 
+    def console(self, control: str | None) -> PlannedProcess:
+        """The web console.
+
+        Args:
+            control: The emulator's control socket; None without an emulator.
+        """
+        words = ["console", "--json", "--port", str(self._choices.console), "--team", self._team.source]
+        words += ["--control", control] if control is not None else []
+        command = _python("acromovi", *words, "--bus", self._choices.bus_of_team(self._team.name), *self._folders)
+        return PlannedProcess("the console", ProcessKind.AGENTS, command)
+
     def extra(self, name: str) -> PlannedProcess:
         """An empty container, for an application.
 

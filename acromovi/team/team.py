@@ -63,6 +63,8 @@ class TeamAtWork(Closeable):
             complain: Says what goes wrong, in one line.
         """
         self.control: str | None = None
+        self.console: str | None = None
+        self._has_console = choices.console is not None
         self._team = team
         self._processes = TeamProcesses(team, choices, folder)
         self._tell = tell
@@ -118,7 +120,8 @@ class TeamAtWork(Closeable):
                 raise TeamFailed(self._failure)
             late = [robot for robot in self._team.robots if robot.name not in serving and self._is_due(robot, now)]
             self._lines.look(serving, [robot.name for robot in late], now)
-            if not late and self._readiness.services_serve:
+            has_console = self.console is not None or not self._has_console
+            if not late and self._readiness.services_serve and has_console:
                 self._serves = True
                 return serving
             if now - self._begun > within:
@@ -146,6 +149,10 @@ class TeamAtWork(Closeable):
                 self._gateway_said(program, event, said)
             case ProcessKind.AGENTS, {"container": str(name)}:
                 self._readiness.container(name, True)
+            case ProcessKind.AGENTS, {"console": str(address)}:
+                if self._serves:
+                    self._tell(f"the console is at {address}")
+                self.console = address
             case _:
                 self._tell(f"{program.name}: {line}")
 
@@ -225,6 +232,8 @@ class TeamAtWork(Closeable):
         """The team's own agents come last: what they look after should be there."""
         if self._may_have_services:
             self._queue.add(self._processes.services())
+            if self._has_console:
+                self._queue.add(self._processes.console(self.control))
 
     @property
     def _may_have_services(self) -> bool:
@@ -244,6 +253,8 @@ class TeamAtWork(Closeable):
         lines = [f"{robot.name}: {causes.of(robot, self._readiness[robot.name])}" for robot in away]
         if not self._readiness.services_serve and self._may_have_services:
             lines.append(f"the team's own agents: {causes.of_services()}")
+        if self._has_console and self.console is None:
+            lines.append(f"the console: {self._reports.get('the console', 'it does not serve yet')}")
         return "\n  ".join([f"{self._team.name} is not complete after {within:g} s (--timeout):", *lines])
 
     def _tell_of_return(self, robot: str) -> None:

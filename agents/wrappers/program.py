@@ -138,7 +138,7 @@ class ProgramRun:
                 stdout=streams,
                 stderr=pipe,
                 limit=PORTION,
-                preexec_fn=partial(_die_with, os.getpid()) if sys.platform == "linux" else None,
+                preexec_fn=partial(die_with, os.getpid()) if sys.platform == "linux" else None,
             )
         except OSError as error:
             raise ProgramEnded(f"{self._command[0]} cannot be started: {error.strerror}") from error
@@ -239,7 +239,7 @@ class ProgramRun:
 _LIBC = ctypes.CDLL(None) if sys.platform == "linux" else None
 
 
-def _die_with(parent: int) -> None:
+def die_with(parent: int) -> None:
     """Let Linux end this program with the one that started it, even if that one is killed."""
     assert _LIBC is not None
     _LIBC.prctl(_SET_DEATH_SIGNAL, signal.SIGKILL)

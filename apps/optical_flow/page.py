@@ -24,7 +24,7 @@ from apps.optical_flow.record import FlowRecord
 from apps.optical_flow.settings import FlowPageSettings
 from apps.optical_flow.wanderer import WanderOrders
 from apps.web.server import address, listening, page_server, serve_pages
-from apps.web.viewer import STYLE, ImageViewer, image_reply
+from apps.web.viewer import STYLE, ImageViewer, framed
 from configs.loader import ConfigError
 
 _TITLE = "Optical-flow navigation"
@@ -124,7 +124,7 @@ class FlowPage:
                     head |= {"number": sent, "format": "jpeg", "stamp": view.stamp, "age": age}
                 else:
                     head["words"] = "the drive has been stopped" if self._is_stopped else "no new image has come"
-                await browser.send_bytes(image_reply(head, image))
+                await browser.send_bytes(framed(head, image))
         except (WebSocketDisconnect, RuntimeError):  # RuntimeError: it has been closed while an image was awaited
             return
 

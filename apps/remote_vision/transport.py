@@ -15,7 +15,7 @@ from agents.platform import AgentName
 from apps.remote_vision.settings import ImageTimes
 from apps.remote_vision.streams import NewestItem, SharedStreams, StreamItem
 from apps.remote_vision.viewing import ORIGINAL, RESULT, VISION, Viewing, boxes
-from apps.web.viewer import image_reply
+from apps.web.viewer import framed
 
 UNKNOWN_TICKET = 4404
 """Code with which a websocket is closed whose page this program does not know."""
@@ -72,7 +72,7 @@ class ImageTransport:
                     if place == ORIGINAL:
                         viewing.seen_at = asyncio.get_running_loop().time()
                     head, item, sent = await self._reply(viewing, place, following(), sent)
-                    await socket.send_bytes(image_reply(head, item.image if item is not None else b""))
+                    await socket.send_bytes(framed(head, item.image if item is not None else b""))
             except (WebSocketDisconnect, RuntimeError):  # RuntimeError: it has been closed while an image was awaited
                 return
             finally:

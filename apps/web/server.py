@@ -7,6 +7,7 @@ from collections.abc import Callable
 import uvicorn
 from fastapi import FastAPI
 from nicegui import ui
+from starlette.types import ASGIApp
 
 from apps.web.origin import SameOrigin, served_names
 from configs.loader import ConfigError
@@ -32,17 +33,20 @@ def address(listener: socket.socket, host: str) -> str:
     return f"http://{f'[{host}]' if ':' in host else host}:{listener.getsockname()[1]}/"
 
 
-def page_server(app: FastAPI, title: str, host: str) -> uvicorn.Server:
+def page_server(
+    app: FastAPI, title: str, host: str, guard: Callable[[ASGIApp], ASGIApp] = lambda inner: inner
+) -> uvicorn.Server:
     """Return a server for an application, with the pages that are registered with NiceGUI.
 
     Args:
         app: With the websockets of the pages.
         title: Of the pages.
         host: Under which it listens, as given by the user.
+        guard: Middleware around the application, behind the check of the origin.
     """
     ui.run_with(app, title=title, show_welcome_message=False, reconnect_timeout=5.0, tailwind=False)
     config = uvicorn.Config(
-        SameOrigin(app, served_names(host)),
+        SameOrigin(guard(app), served_names(host)),
         log_level="error",
         lifespan="on",
         ws_per_message_deflate=False,

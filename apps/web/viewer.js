@@ -1,6 +1,7 @@
 // One image of the page: requests, draws, and requests the next one. Emits what a person does with pointer and keys.
 
-const RETRY_MS = 500;
+import { RequestLoop, drawn } from "acromovi/requests.js";
+
 const LARGEST = 1920; // px of the canvas; larger images are drawn smaller
 const REPEAT_MS = 250; // between two steps of a key that is held, and between two places of a drag
 const CLICK_PX = 4; // of the screen; a pointer that moves less has clicked
@@ -24,37 +25,19 @@ export default {
   },
   mounted() {
     this.drawn = null; // of the latest image: number, age in s when it was drawn, and when that was, ms
-    this.ended = false;
     this.clock = setInterval(() => this.showAge(), 100);
-    this.connect();
+    this.images = new RequestLoop(
+      this.path,
+      (head, file, timing) => this.take(head, file, timing),
+      () => (this.words = `the connection to ${this.program} is lost; trying again`),
+    );
   },
   unmounted() {
-    this.ended = true;
     clearInterval(this.clock);
-    this.socket.close();
+    this.images.close();
   },
   methods: {
-    connect() {
-      if (this.ended) return;
-      const scheme = location.protocol === "https:" ? "wss" : "ws";
-      this.socket = new WebSocket(`${scheme}://${location.host}${this.path}`);
-      this.socket.binaryType = "arraybuffer";
-      this.socket.onopen = () => this.ask();
-      this.socket.onmessage = (event) => this.take(event.data);
-      this.socket.onclose = () => {
-        this.words = `the connection to ${this.program} is lost; trying again`;
-        setTimeout(() => this.connect(), RETRY_MS);
-      };
-    },
-    ask() {
-      this.asked = performance.now();
-      if (this.socket.readyState === WebSocket.OPEN) this.socket.send("next");
-    },
-    async take(data) {
-      const arrived = performance.now();
-      const length = new DataView(data).getUint32(0);
-      const head = JSON.parse(new TextDecoder().decode(new Uint8Array(data, 4, length)));
-      const file = new Uint8Array(data, 4 + length);
+    async take(head, file, timing) {
       this.words = head.words;
       let image = null;
       if (file.length) {
@@ -64,20 +47,19 @@ export default {
           this.words = "the image is damaged and cannot be drawn";
         }
       }
-      // A page in the background draws nothing, so it requests nothing, and does not count as watching either.
-      requestAnimationFrame(() => {
+      await drawn(() => {
         if (image) this.draw(image, head);
         else if (head.numbers) this.drawNumbers(head.numbers);
         else if (head.is_empty) this.clear();
         if (image || head.numbers) {
           const now = performance.now();
-          const wayBack = Math.max(0, arrived - this.asked - head.waited * 1000) / 2;
-          this.drawn = { age: head.age === undefined ? null : head.age + (wayBack + now - arrived) / 1000, at: now };
+          const wayBack = Math.max(0, timing.arrived - timing.asked - head.waited * 1000) / 2;
+          const age = head.age === undefined ? null : head.age + (wayBack + now - timing.arrived) / 1000;
+          this.drawn = { age, at: now };
           this.showAge();
           const at = (performance.timeOrigin + now) / 1000;
           this.$el.dispatchEvent(new CustomEvent("drawn", { detail: { number: head.number, stamp: head.stamp, at } }));
         }
-        this.ask();
       });
     },
     showAge() {

@@ -15,22 +15,24 @@ from nicegui.element import Element
 
 STYLE = Path(__file__).with_name("page.css")
 """The style sheet of pages with images."""
+SHARED = {"acromovi": str(Path(__file__).with_name("shared"))}
+"""JavaScript for the elements of pages, as `Element` takes it: `import { RequestLoop } from "acromovi/requests.js"`."""
 LENGTH = struct.Struct(">I")
 
 
-def image_reply(head: Mapping[str, Any], image: bytes) -> bytes:
-    """Return a reply to the browser: 4 bytes with the length of the head (big-endian), the head, and the file.
+def framed(head: Mapping[str, Any], body: bytes) -> bytes:
+    """Return a reply to a request of `requests.js`: 4 bytes with the length of the head (big-endian), head and body.
 
     Args:
-        head: `number`, `words` over the image, `waited`, s for the image, and optionally `stamp`, `age`, s, and what
-            `viewer.js` draws over the image.
-        image: The file; empty without a new image.
+        head: A JSON object. For an image: `number`, `words` over the image, `waited`, s for the image, and optionally
+            `stamp`, `age`, s, and what `viewer.js` draws over the image.
+        body: Of an image the file; empty without a new image.
     """
     data = json.dumps(head).encode()
-    return b"".join((LENGTH.pack(len(data)), data, image))
+    return b"".join((LENGTH.pack(len(data)), data, body))
 
 
-class ImageViewer(Element, component="viewer.js"):
+class ImageViewer(Element, component="viewer.js", esm=SHARED):
     """An image that is requested, drawn, and requested again.
 
     Events: `point` {at, size}, `drag` {from, to, size, is_first}, `region` {region, size}, all in px of the image;

@@ -1,0 +1,39 @@
+"""What a page of the console is, and the panels that pages are made of."""
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+
+from nicegui import ui
+
+from apps.console.program import Console
+from apps.console.visits import Visit
+
+
+@dataclass(frozen=True, slots=True)
+class ConsolePage:
+    """One page.
+
+    path: its address. title: for people. icon: of Material Icons. build: puts its content into the frame; called with
+    the program and the page that a browser has opened. is_offered: whether there is anything to show.
+    """
+
+    path: str
+    title: str
+    icon: str
+    build: Callable[[Console, Visit], None]
+    is_offered: Callable[[Console], bool] = lambda console: True
+
+
+@contextmanager
+def panel(title: str, classes: str = "") -> Iterator[ui.element]:
+    """A panel with a heading; what is built in the block is in it.
+
+    Args:
+        title: The heading, shown as text.
+        classes: Of CSS, in addition.
+    """
+    with ui.element("section").classes(f"rv-panel c-panel {classes}") as box:
+        with ui.element("h2").classes("rv-heading"):
+            ui.label(title)
+        yield box

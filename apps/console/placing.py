@@ -1,0 +1,63 @@
+"""Where the frames odom of robots are on the map.
+
+The origin of `<robot>/odom` is where the robot stood when its gateway first connected, so the frames of two robots have
+nothing to do with each other. They are placed by the emulator, which knows where its robots are, or else by the starts
+in the team's file.
+"""
+
+from collections.abc import Mapping
+
+from apps.console.emulator import EmulatorControl, EmulatorRefused
+from apps.console.robots import WatchedRobot
+from geometry import Pose2D
+
+
+class FramePlaces:
+    """The places of the frames. changes: counts the changes."""
+
+    def __init__(self, starts: Mapping[str, tuple[float, float, float]]) -> None:
+        """Begin with the starts of the team's file: x and y, m, and heading, rad, by robot."""
+        self.changes = 0
+        self._by_file = {robot: Pose2D(*start) for robot, start in starts.items()}
+        self._by_emulator: dict[str, tuple[str, Pose2D]] = {}  # identity of the gateway for which it holds, and place
+
+    def of(self, robot: str) -> Pose2D | None:
+        """Return the place of a robot's frame odom on the map; None if it is not known."""
+        found = self._by_emulator.get(robot)
+        return found[1] if found is not None else self._by_file.get(robot)
+
+    def words(self, robots: Mapping[str, WatchedRobot]) -> str:
+        """Return how the robots are placed, a sentence for people."""
+        there = [name for name, robot in robots.items() if robot.is_there]
+        unknown = [name for name in there if self.of(name) is None]
+        if not there:
+            return "No robot is on the bus yet; the map shows robots as they come."
+        if not unknown:
+            how = "the emulator says" if all(name in self._by_emulator for name in there) else "the team's file says"
+            return f"Robots are placed where {how} that they began."
+        if len(there) == 1:
+            return f"{unknown[0]} is shown in its own frame: the origin is where it began."
+        who = "Each robot" if len(unknown) == len(there) else " and ".join(unknown)
+        verb = "is" if len(unknown) == len(there) or len(unknown) == 1 else "are"
+        return (
+            f"{who} {verb} shown in a frame of its own, with the origin where it began: distances between such robots "
+            "mean nothing. Start the console with --team to place them."
+        )
+
+    async def ask(self, emulator: EmulatorControl, robots: Mapping[str, WatchedRobot]) -> None:
+        """Ask the emulator for the places of emulated robots that are not known yet, or whose gateway is another."""
+        for name, robot in robots.items():
+            identity = str(robot.description.get("identity", ""))
+            pose = robot.pose
+            known = self._by_emulator.get(name)
+            if not robot.is_emulated or not robot.is_connected or pose is None:
+                continue
+            if known is not None and known[0] == identity:
+                continue
+            try:
+                truth = await emulator.ask("truth", robot=name)
+            except EmulatorRefused:
+                continue
+            there = Pose2D(truth["x"], truth["y"], truth["heading"])
+            self._by_emulator[name] = identity, there.compose(Pose2D().relative_to(Pose2D(*pose)))
+            self.changes += 1

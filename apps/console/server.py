@@ -1,0 +1,83 @@
+"""Serves the console: bus, agent, websockets and pages in one event loop."""
+
+import socket
+from collections.abc import Callable
+from functools import partial
+
+from fastapi import FastAPI, WebSocket
+from nicegui import ui
+
+from apps.console.pages import PAGES, ROBOT_PAGE
+from apps.console.program import Console, ConsoleInputs
+from apps.console.settings import ConsoleSettings
+from apps.console.shell import STOP_PATH, begin_page
+from apps.web.access import PasswordGate, Sessions
+from apps.web.agent import page_agent
+from apps.web.server import page_server, serve_pages
+from bus import Bus
+
+_LOOK = 5.0  # s between two looks at sessions whose time is over
+
+
+async def serve(
+    bus: Bus,
+    settings: ConsoleSettings,
+    inputs: ConsoleInputs,
+    sessions: Sessions | None,
+    listener: socket.socket,
+    host: str,
+    on_ready: Callable[[], None],
+) -> None:
+    """Serve the console until the program is told to end.
+
+    Args:
+        bus: The bus.
+        settings: Settings.
+        inputs: What is known at the start.
+        sessions: Who has given the password; None where none is asked for.
+        listener: The socket.
+        host: As given by the user.
+        on_ready: Called once the pages can be opened.
+    """
+    async with (
+        page_agent(bus, "console") as (agent, may_command),
+        Console(agent, settings, inputs, may_command=may_command) as console,
+    ):
+        app = _application(console)
+        if sessions is None:
+            server = page_server(app, "Acromovi", host)
+        else:
+            sessions.on_end = console.end_session
+            server = page_server(app, "Acromovi", host, lambda inner: PasswordGate(inner, sessions))
+            agent.every(_LOOK, sessions.end_old)
+        await serve_pages(server, listener, on_ready)
+
+
+def _application(console: Console) -> FastAPI:
+    """Return the application with all pages and websockets."""
+    app = FastAPI(openapi_url=None)
+
+    @app.post(STOP_PATH)
+    async def stop() -> dict[str, dict[str, str]]:
+        return {"robots": await console.stop_all()}
+
+    @app.websocket("/drive/{ticket}")
+    async def drive(websocket: WebSocket, ticket: str) -> None:
+        await console.serve_driver(websocket, ticket)
+
+    @app.websocket("/images/{ticket}/{place}")
+    async def images(websocket: WebSocket, ticket: str, place: str) -> None:
+        await console.vision.transport.serve(websocket, ticket, place)
+
+    @app.websocket("/map/{ticket}")
+    async def map_updates(websocket: WebSocket, ticket: str) -> None:
+        await console.map.serve(websocket, lambda: ticket in console.visits)
+
+    for page in PAGES:
+        ui.page(page.path)(partial(begin_page, console, page, PAGES))
+
+    @ui.page(f"{ROBOT_PAGE.path}/{{robot}}")
+    def page_of_robot(robot: str) -> None:
+        begin_page(console, ROBOT_PAGE, PAGES, robot)
+
+    return app

@@ -1,0 +1,49 @@
+// The red button that stops all robots; pressing Escape twice within a second does the same.
+
+const TWICE_MS = 1000;
+const SHOWN_MS = 8000;
+
+export default {
+  template: `
+    <div class="c-stop-box">
+      <button type="button" class="c-stop" aria-label="Stop all robots" aria-keyshortcuts="Escape Escape"
+              title="Stop all robots (Escape twice)" @click="stop">STOP</button>
+      <div class="c-stop-words" :class="{ 'c-failed': failed }" role="alert" v-show="words">{{ words }}</div>
+    </div>`,
+  props: { path: String },
+  data() {
+    return { words: "", failed: false };
+  },
+  mounted() {
+    this.onKey = (event) => {
+      if (event.key !== "Escape" || event.repeat) return;
+      if (performance.now() - (this.pressed || -TWICE_MS) < TWICE_MS) this.stop();
+      this.pressed = performance.now();
+    };
+    document.addEventListener("keydown", this.onKey, true);
+  },
+  unmounted() {
+    document.removeEventListener("keydown", this.onKey, true);
+  },
+  methods: {
+    async stop() {
+      this.show("stopping all robots ...", false);
+      try {
+        const reply = await fetch(this.path, { method: "POST", keepalive: true });
+        if (!reply.ok) throw new Error(`${reply.status} ${await reply.text()}`);
+        const robots = Object.entries((await reply.json()).robots);
+        const failed = robots.filter(([, how]) => how !== "stopped");
+        if (!robots.length) this.show("no robot is on the bus", true);
+        else if (failed.length) this.show(`NOT STOPPED: ${failed.map(([name, how]) => `${name}: ${how}`).join("; ")}`, true);
+        else this.show(`${robots.length === 1 ? robots[0][0] : `all ${robots.length} robots`} stopped`, false);
+      } catch (error) {
+        this.show(`NOT STOPPED: the console does not answer (${error.message}); use the button on the robot`, true);
+      }
+    },
+    show(words, failed) {
+      Object.assign(this, { words, failed });
+      clearTimeout(this.hide);
+      if (!failed) this.hide = setTimeout(() => (this.words = ""), SHOWN_MS);
+    },
+  },
+};
