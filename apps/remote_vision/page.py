@@ -5,13 +5,11 @@ Bus, agent, image transport and NiceGUI are in one event loop.
 
 import socket
 import time
-import uuid
 from collections.abc import Callable
 
 from fastapi import FastAPI, WebSocket
 from nicegui import ui
 
-from agents.platform import Agent, AgentName, Container
 from apps.remote_vision.cameras import CAMERA
 from apps.remote_vision.colours_panel import ColoursPanel
 from apps.remote_vision.head_panel import HeadPanel
@@ -19,14 +17,14 @@ from apps.remote_vision.operations_panel import OperationsPanel
 from apps.remote_vision.program import RemoteVision
 from apps.remote_vision.settings import RemoteVisionSettings
 from apps.remote_vision.viewing import COLOURS, MOTION, ORIGINAL, RESULT, Viewing
+from apps.web.agent import page_agent
 from apps.web.server import page_server, serve_pages
 from apps.web.viewer import STYLE, ImageViewer
-from bus import Bus, NotAllowed
+from bus import Bus
 
 _REFRESH = 0.3  # s between two looks at what has changed
 _ASK = 1.0  # s between two looks whether agents are to be asked; asking takes long if one does not answer
 _PROGRAM = "acromovi remote-vision"
-_PLATFORM = "apps"
 
 
 async def serve(
@@ -49,23 +47,16 @@ async def serve(
     Raises:
         NotThere: There is no robot of this name with a camera.
     """
-    name = f"remote-vision-{uuid.uuid4().hex[:6]}"
-    async with Container(bus, name) as container:
-        agent = Agent(AgentName(name, bus.own_name or _PLATFORM))
-        try:
-            await container.start(agent)
-        except NotAllowed:  # a certificate for looking only: the page shows images, and cannot move a head
-            await agent.look_on(container)
-        async with RemoteVision(agent, settings) as program:
-            await program.team.expect(robot)
-            app = FastAPI(openapi_url=None)
+    async with page_agent(bus, "remote-vision") as (agent, _), RemoteVision(agent, settings) as program:
+        await program.team.expect(robot)
+        app = FastAPI(openapi_url=None)
 
-            @app.websocket("/images/{ticket}/{place}")
-            async def images(websocket: WebSocket, ticket: str, place: str) -> None:
-                await program.transport.serve(websocket, ticket, place)
+        @app.websocket("/images/{ticket}/{place}")
+        async def images(websocket: WebSocket, ticket: str, place: str) -> None:
+            await program.transport.serve(websocket, ticket, place)
 
-            _build_page(program, robot)
-            await serve_pages(page_server(app, "Remote vision", host), listener, on_ready)
+        _build_page(program, robot)
+        await serve_pages(page_server(app, "Remote vision", host), listener, on_ready)
 
 
 def _build_page(program: RemoteVision, robot: str) -> None:

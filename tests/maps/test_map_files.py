@@ -11,7 +11,7 @@ from maps.aria_files import format_aria_map, parse_aria_map
 from maps.building_map import BuildingMap
 from maps.map_files import read_building_map, write_building_map
 from maps.occupancy import OccupancyGrid
-from p2os_emu.world.load import load_world
+from p2os_emu.world import load_world
 from tests.maps.strict_aria_map import check
 
 PLACES = (

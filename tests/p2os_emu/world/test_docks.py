@@ -12,10 +12,9 @@ from p2os.sip import ChargeState
 from p2os_emu.emulator import STEP, Emulator
 from p2os_emu.links.line import LinkProfile
 from p2os_emu.links.memory import MemoryLink
-from p2os_emu.world import World, WorldError, WorldSpec
+from p2os_emu.world import World, WorldError, WorldSpec, load_world
 from p2os_emu.world.aria_map import world_of
 from p2os_emu.world.docks import Dock
-from p2os_emu.world.load import load_world
 from p2os_emu.world.world_file import WorldFile
 
 DOCK = Dock("dock", Pose2D(2.0, 1.0, pi / 2))
