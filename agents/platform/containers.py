@@ -3,16 +3,18 @@
 import logging
 import threading
 from collections.abc import Callable, Mapping
-from typing import Any
+from dataclasses import dataclass
+from typing import Any, Self
 
-from agents.platform.errors import NameNotValid
-from agents.platform.names import ALL_CONTAINERS, ContainerName
-from bus import Bus
-from bus.aio import query
+from agents.platform.errors import DescriptionNotValid, NameNotValid
+from agents.platform.names import ALL_CONTAINERS, AgentName, ContainerName
+from bus import Bus, NoAnswer, Refused, TimedOut
+from bus.aio import ReplyQueue, query
 from bus.bus import Closeable
 
 ORDER_TIME = 60.0  # s; longer than a setup may take, or a move
 READING_TIME = 2.0  # s for what only reads
+_ALL_DESCRIPTIONS = "*/containers/*/description"
 
 log = logging.getLogger("agents")
 
@@ -82,3 +84,66 @@ async def read(bus: Bus, container: ContainerName, do: str, **given: object) -> 
         NoAnswer, TimeoutError: It does not answer.
     """
     return (await query(bus, container.description_key, {"do": do, **given}, READING_TIME))[0].value
+
+
+@dataclass(frozen=True, slots=True)
+class ListedAgent:
+    """An agent in the report of its container: its name, state and class."""
+
+    name: AgentName
+    state: str
+    kind: str
+
+
+@dataclass(frozen=True, slots=True)
+class ContainerReport:
+    """What a container tells of itself: the host, its process there, and its agents, the oldest first."""
+
+    container: ContainerName
+    host: str
+    process: int
+    agents: tuple[ListedAgent, ...]
+
+    @classmethod
+    def from_answer(cls, key: str, value: Mapping[str, Any]) -> Self:
+        """Read the answer to `list`.
+
+        Raises:
+            DescriptionNotValid: It is no report of a container.
+            NameNotValid: The key is not that of a container, or an agent in the report has no valid name.
+        """
+        called = ContainerName.of_key(key)
+        match value:
+            case {"host": str(host), "process": int(process), "agents": list(rows)}:
+                found = []
+                for row in rows:
+                    match row:
+                        case {"name": str(name), "state": str(state), "kind": str(kind)}:
+                            found.append(ListedAgent(AgentName.parse(name), state, kind))
+                        case _:
+                            raise DescriptionNotValid(f"{called} lists an agent without name, state and kind")
+                return cls(called, host, process, tuple(found))
+        raise DescriptionNotValid(f"what {key} answers is no report of a container")
+
+
+async def reports(bus: Bus, within: float = READING_TIME) -> list[ContainerReport]:
+    """Return the reports of all containers that answer, sorted by name.
+
+    Args:
+        bus: The bus.
+        within: s to wait for containers that do not answer; the others are returned in any case.
+    Raises:
+        BusUnavailable: The bus is closed.
+    """
+    found = []
+    try:
+        replies = ReplyQueue(within)
+        with bus.ask(_ALL_DESCRIPTIONS, None, replies.put, replies.put, within, urgent=True):
+            async for answer in replies:
+                try:
+                    found.append(ContainerReport.from_answer(answer.key, answer.value))
+                except (DescriptionNotValid, NameNotValid) as err:
+                    log.warning("%s", err)
+    except (NoAnswer, TimedOut, TimeoutError, Refused):
+        pass  # there are none, or some do not answer: the tokens tell which
+    return sorted(found, key=lambda report: report.container)

@@ -21,6 +21,11 @@ class ReorderBuffer:
         self._waiting: list[tuple[float, int, Heard]] = []
         self._came: deque[tuple[float, float]] = deque()  # when, and its time
 
+    @property
+    def waiting(self) -> int:
+        """Number of messages that are held."""
+        return len(self._waiting)
+
     def add(self, heard: Heard, now: float) -> None:
         """Add a message."""
         heapq.heappush(self._waiting, (heard.time, next(self._numbers), heard))
