@@ -81,7 +81,7 @@ class _AgentsPage:
                 with ui.tab_panel("Inside"):
                     self._inside = InsidePanel(self._console)
                 with ui.tab_panel("Properties"):
-                    self._properties = DataTable(("name", "value"), "it has no properties")
+                    self._properties = DataTable(("Name", "Value"), "it has no properties")
                 with ui.tab_panel("Message"):
                     self._composer = ComposerPanel(self._console, visit)
         self._about.set_visibility(False)

@@ -8,6 +8,7 @@ from nicegui import ui
 from nicegui.element import Element
 
 _MOST_ROWS = 200
+_LARGE = 1e6  # from which on a number is shown with all digits before the point, such as a time
 _LONGEST = 20_000  # characters of JSON that are shown
 
 
@@ -67,7 +68,7 @@ def table_of(value: Any) -> tuple[list[str], list[list[str]]] | None:
     None for a value that is neither, or an empty one.
     """
     if isinstance(value, Mapping) and value:
-        return ["name", "value"], [[str(key), _cell(each)] for key, each in list(value.items())[:_MOST_ROWS]]
+        return ["Name", "Value"], [[str(key), _cell(each)] for key, each in list(value.items())[:_MOST_ROWS]]
     if isinstance(value, list) and value and all(isinstance(row, Mapping) for row in value):
         titles = list(dict.fromkeys(str(key) for row in value[:_MOST_ROWS] for key in row))
         return titles, [[_cell(row.get(title)) for title in titles] for row in value[:_MOST_ROWS]]
@@ -78,5 +79,5 @@ def _cell(value: Any) -> str:
     if value is None:
         return ""
     if isinstance(value, float):
-        return f"{value:.6g}"
+        return f"{value:.6g}" if abs(value) < _LARGE else f"{value:.3f}"
     return value if isinstance(value, str) else json.dumps(value, ensure_ascii=False)

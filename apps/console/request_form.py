@@ -51,8 +51,10 @@ class FormField:
     @property
     def hint(self) -> str:
         """What is written beside it: its type, and its default."""
-        shown = "" if self.is_required else f"default {json.dumps(self.default, ensure_ascii=False)}"
-        return ", ".join(part for part in (self.type or "any JSON value", shown or "needed") if part)
+        shown = (
+            f"default {json.dumps(self.default, ensure_ascii=False)}" if self.default not in (None, "") else "optional"
+        )
+        return f"{self.type or 'any JSON value'}, {'needed' if self.is_required else shown}"
 
     def read(self, text: object) -> Any:
         """Return the value that was entered.

@@ -124,7 +124,7 @@ class ComposerPanel:
                     self._show(reply)
         except (BusError, TimeoutError) as err:
             return f"{receiver}: {in_words(err)}"
-        return f"{receiver}: ended after {count} replies"
+        return f"{receiver}: ended after {_counted(count)}"
 
     async def _hear(self, message: AclMessage, within: float) -> None:
         """Show what comes into the mailbox for a while."""
@@ -136,13 +136,17 @@ class ComposerPanel:
                     self._show(reply.to_dict())
                     count += 1
         except TimeoutError:
-            self._words.text = f"{count} replies came within {within:g} s"
+            self._words.text = f"{_counted(count)} came within {within:g} s"
 
     def _show(self, reply: Mapping[str, Any]) -> None:
         sender, performative = (shortened(str(reply.get(name, "?")), 120) for name in ("sender", "performative"))
         clock = time.strftime("%H:%M:%S")
         self._replies.append((clock, sender, performative, brief(reply.get("content"), _LONGEST)))
         self._table.show(list(self._replies))
+
+
+def _counted(count: int) -> str:
+    return "no reply" if not count else "1 reply" if count == 1 else f"{count} replies"
 
 
 _CHOSEN = ("protocol", "conversation", "reply_with")

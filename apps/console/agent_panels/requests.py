@@ -83,14 +83,13 @@ class RequestPanel:
             for field in self._fields:
                 self._inputs[field.name] = self._input(field)
 
-    @staticmethod
-    def _input(field: FormField) -> Any:
+    def _input(self, field: FormField) -> Any:
         if field.widget == "choice":
             made: Any = ui.select(list(field.choices), label=field.name, clearable=not field.is_required)
         elif field.widget == "json":
             made = ui.textarea(field.name).props("autogrow")
         else:
-            made = ui.input(field.name)
+            made = ui.input(field.name).on("keydown.enter", self._begin)
             if field.widget == "number":
                 made.props("inputmode=decimal")
         made.props("dense stack-label bottom-slots")
@@ -98,7 +97,7 @@ class RequestPanel:
         return made
 
     def _begin(self) -> None:
-        if self._name is None or str(self._select.value) not in self._entries:
+        if not self._ask.enabled or self._name is None or str(self._select.value) not in self._entries:
             return
         kind, entry = self._entries[str(self._select.value)]
         try:

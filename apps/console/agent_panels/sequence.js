@@ -6,7 +6,8 @@ import { RequestLoop, drawn } from "acromovi/requests.js";
 const KEPT = 500; // messages in the browser
 const SHOWN = 200; // arrows drawn at most
 const ROW = 30; // px between two messages
-const LANE = 168; // px between two lifelines
+const LANE = 168; // px between two lifelines at least
+const WIDEST = 380; // px between two lifelines at most
 const TIMES = 84; // px for the times at the left
 const NAME = 24; // characters of a lifeline's name
 const NEAR = 40; // px from the end, within which the diagram follows new messages
@@ -57,7 +58,7 @@ export default {
   props: { path: String, opened: Number, about: String },
   emits: ["open"],
   data() {
-    return { messages: [], agent: "", performative: "", protocol: "", conversation: "", paused: false, lost: 0, words: "", connected: true };
+    return { messages: [], agent: "", performative: "", protocol: "", conversation: "", paused: false, lost: 0, words: "", connected: true, room: 0 };
   },
   created() {
     this.NAME = NAME;
@@ -106,8 +107,11 @@ export default {
     protocols() {
       return [...new Set(this.messages.map((row) => row[PROTOCOL]).filter(Boolean))].sort();
     },
+    lane() {
+      return Math.min(Math.max((this.room - TIMES - 20) / (this.lanes.length || 1), LANE), WIDEST);
+    },
     width() {
-      return TIMES + this.lanes.length * LANE + 60;
+      return Math.max(TIMES + this.lanes.length * this.lane + 10, this.room);
     },
     height() {
       return this.arrows.length * ROW + 20;
@@ -133,6 +137,7 @@ export default {
   methods: {
     async take(head) {
       this.connected = true;
+      this.room = this.$refs.scroll.clientWidth;
       const scroll = this.$refs.scroll;
       const follows = scroll.scrollHeight - scroll.scrollTop - scroll.clientHeight < NEAR;
       this.words = head.words;
@@ -157,7 +162,7 @@ export default {
       this.$emit("open", { number });
     },
     x(index) {
-      return TIMES + LANE / 2 + index * LANE - 20;
+      return TIMES + (index + 0.5) * this.lane;
     },
     short(text, longest) {
       return text.length > longest ? `${text.slice(0, longest - 1)}…` : text;

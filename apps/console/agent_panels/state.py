@@ -69,7 +69,8 @@ class StatePanel:
         agent = self._agent
         if agent is None:
             return
-        others = [name for name in sorted(self._console.agents.reports) if name != agent.container.name]
+        here = agent.container.name, self._console.agent.home.name
+        others = [name for name in sorted(self._console.agents.reports) if name not in here]
         with ui.dialog() as dialog, ui.card().classes("c-dialog"):
             ui.label(f"Move {agent.name} to another container").classes("rv-heading")
             if others:

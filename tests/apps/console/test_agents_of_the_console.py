@@ -199,7 +199,8 @@ def test_a_composed_request_is_answered_with_all_replies() -> None:
 
 
 def test_values_are_tables_where_they_are_lists_of_objects_or_objects() -> None:
-    assert table_of({"x": 1.23456789, "on": True}) == (["name", "value"], [["x", "1.23457"], ["on", "true"]])
+    assert table_of({"x": 1.23456789, "on": True}) == (["Name", "Value"], [["x", "1.23457"], ["on", "true"]])
+    assert table_of({"stamp": 1795648454.6963995}) == (["Name", "Value"], [["stamp", "1795648454.696"]])
     assert table_of([{"a": 1}, {"b": None, "a": "<i>"}]) == (["a", "b"], [["1", ""], ["<i>", ""]])
     assert table_of([1, 2]) is table_of("text") is table_of({}) is None
     assert text_of("x" * 30_000).endswith("more characters")
