@@ -64,12 +64,15 @@ def _run(arguments: argparse.Namespace) -> int:
     require("acromovi console", "console")
     if arguments.password:
         return _write_password(arguments.password_file)
+    from apps.web.access import PasswordHash, Sessions
+    from apps.web.origin import LOOPBACK
+
+    is_open = arguments.host not in LOOPBACK
+    password = PasswordHash.read(arguments.password_file) if is_open else None
     from acromovi.floor_plan import floor_plan, floor_plan_of_team, starts_of_team
     from apps.console.program import ConsoleInputs
     from apps.console.server import serve
     from apps.console.settings import ConsoleSettings
-    from apps.web.access import PasswordHash, Sessions
-    from apps.web.origin import LOOPBACK
     from apps.web.server import address, listening
     from bus.session import ZenohBus
 
@@ -77,9 +80,6 @@ def _run(arguments: argparse.Namespace) -> int:
     floor = floor_plan(arguments.map) if arguments.map else floor_plan_of_team(arguments.team)
     starts: Mapping[str, tuple[float, float, float]] = starts_of_team(arguments.team)
     inputs = ConsoleInputs(floor, starts, arguments.control, arguments.bus, str(Path.cwd()), arguments.apps)
-    password: PasswordHash | None = None
-    if arguments.host not in LOOPBACK:
-        password = PasswordHash.read(arguments.password_file)
     with listening(arguments.host, arguments.port) as listener, ZenohBus.open(arguments.bus) as bus:
         url = address(listener, arguments.host)
         words = json.dumps({"console": url}) if arguments.json else f"console: {url} (Ctrl-C ends it)"

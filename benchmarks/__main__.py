@@ -42,6 +42,7 @@ GROUPS = {
     "fetch": "fetching objects with the gripper, rendered in lockstep; writes fetch.md and a picture",
     "vision": "colours, target and time to contact in drawn images, and the delay of the vision agents",
     "remote_vision": "age of an image when the browser has drawn it: over loopback, and with delay and loss",
+    "console": "processor time and memory of the web console, age of its map, and how soon a joystick reaches the line",
     "flood": "how soon an e-stop is obeyed while other programs flood the gateway",
     "recovery": "how soon a gateway is received again after it or its subscriber was frozen",
     "soak": "memory, threads and descriptors of a team while sessions join and leave; writes soak.csv",

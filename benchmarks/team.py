@@ -38,7 +38,7 @@ def measure(options: argparse.Namespace) -> list[Figure]:
         time.sleep(SETTLE_S)
         idle = _shares(team.pid)
         memory = _sums(team.pid, shared_out_megabytes)
-        with _driving():
+        with driving_team():
             time.sleep(SETTLE_S)
             driving = _shares(team.pid)
     return [
@@ -89,7 +89,7 @@ def _kind(pid: int) -> str:
 
 
 @contextmanager
-def _driving() -> Iterator[None]:
+def driving_team() -> Iterator[None]:
     """Drive all robots while the block runs."""
     names = [robot.name for robot in read_team(TEAM).robots]
     done = threading.Event()

@@ -15,6 +15,7 @@ FORMATION = "tests/apps/formation/test_on_a_team.py, with two robots"
 FOLLOWING = "tests/apps/robot_following/test_on_a_team.py, with two robots"
 OPTICAL_FLOW = "tests/apps/optical_flow/test_on_a_team.py"
 CALIBRATION = "tests/acromovi/test_camera.py, on drawn chessboards"
+CONSOLE = "tests/apps/console, on any free port"
 FETCH = "tests/apps/fetch/test_on_a_team.py"
 ELSEWHERE = {
     "p2os-emu --robot powerbot --world hall:7": "tests/p2os_emu/world/floors",
@@ -40,6 +41,10 @@ ELSEWHERE = {
     "acromovi camera calibrate doc --board 9x6 --into my-team.toml doc": CALIBRATION,
     "acromovi camera calibrate views/*.png --board 9x6 --into my-team.toml doc": CALIBRATION,
     "acromovi remote-vision happy": "tests/apps/remote_vision, on any free port",
+    "acromovi up acromovi --console": "tests/apps/console, with two robots",
+    "acromovi console": CONSOLE,
+    "acromovi console --password": "tests/acromovi/test_console.py, with another file",
+    "acromovi console --host 0.0.0.0": CONSOLE,
     "acromovi run robot_following robot=happy": FOLLOWING,
     "acromovi run robot_following robots=happy,sleepy": FOLLOWING,
     "acromovi run robot_following robot=happy colours=trained": FOLLOWING,

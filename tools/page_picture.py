@@ -44,7 +44,7 @@ TOP, BOTTOM = 0.45, 0.55  # likewise of its height
 
 
 @contextmanager
-def _started(*words: str, answer: str) -> Iterator[str]:
+def started(*words: str, answer: str) -> Iterator[str]:
     """Start a command; gives the first line that it prints, which contains a word."""
     command = [sys.executable, "-m", "acromovi", *words]
     with subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, text=True) as process:
@@ -53,6 +53,13 @@ def _started(*words: str, answer: str) -> Iterator[str]:
             yield next(line for line in process.stdout if answer in line)
         finally:
             process.terminate()
+
+
+def shrink(file: Path) -> None:
+    """Write a PNG anew with few colours."""
+    with Image.open(file) as image:
+        small = image.convert("RGB").quantize(COLOURS, dither=Image.Dither.NONE)
+    small.save(file, optimize=True)
 
 
 def _show(page: Page) -> None:
@@ -93,8 +100,8 @@ def main(arguments: list[str]) -> None:
         team = Path(scratch) / "team.toml"
         team.write_text(TEAM)
         with (
-            _started("up", str(team), "--bus", bus, answer="Ctrl-C ends the team"),
-            _started("remote-vision", "happy", "--port", "0", "--bus", bus, answer="http://") as line,
+            started("up", str(team), "--bus", bus, answer="Ctrl-C ends the team"),
+            started("remote-vision", "happy", "--port", "0", "--bus", bus, answer="http://") as line,
             sync_playwright() as playwright,
         ):
             browser = playwright.chromium.launch(executable_path=chromium, args=["--no-sandbox"])
@@ -103,9 +110,7 @@ def main(arguments: list[str]) -> None:
             _show(page)
             page.screenshot(path=folder / NAME)
             browser.close()
-    with Image.open(folder / NAME) as image:
-        small = image.convert("RGB").quantize(COLOURS, dither=Image.Dither.NONE)
-    small.save(folder / NAME, optimize=True)
+    shrink(folder / NAME)
     print(folder / NAME)
 
 

@@ -8,7 +8,7 @@ the gateway stops the robot.
 """
 
 import asyncio
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable
 from contextlib import AsyncExitStack
 from dataclasses import dataclass
 from typing import Any, Self
@@ -47,7 +47,8 @@ class DriveCommand:
         """Read what a browser sends; None for anything else."""
         match told:
             case {"tick": int() | float() as tick, "linear": int() | float() as v, "angular": int() | float() as w}:
-                if all(-1.0 <= part <= 1.0 for part in (v, w)):  # false for NaN as well
+                is_number = not any(isinstance(value, bool) for value in (tick, v, w))
+                if is_number and all(-1.0 <= part <= 1.0 for part in (v, w)):  # false for NaN as well
                     return cls(float(tick), float(v), float(w))
         return None
 
@@ -94,15 +95,22 @@ class DriveControl:
         lease = self._leases.get(element)
         return lease.token if lease is not None else ""
 
-    async def take(self, visit: Visit, elements: Mapping[str, Any]) -> None:
-        """Give a page control if nobody has it. elements: that the robot has."""
+    async def take(self, visit: Visit, elements: Iterable[str], now: float) -> None:
+        """Give a page control if nobody has it.
+
+        Args:
+            visit: The page.
+            elements: That the robot has.
+            now: s of the console's time.
+        """
         async with self._changing:
             if self.holder is visit:
                 return
             if self.holder is not None:
                 self._say(visit, f"{self.holder.name} drives {self.robot}; ask for it to be released")
                 return
-            wanted = [name for name in DRIVEN if name in elements or name == BASE]
+            there = {BASE, *elements}
+            wanted = [name for name in DRIVEN if name in there]
             try:
                 for name in wanted:
                     place = f"{name}@{self.robot}"
@@ -115,7 +123,7 @@ class DriveControl:
                 return
             self.holder = visit
             self._is_latched, self._zeros = True, _ZEROS
-            self._heard_at = self._now
+            self._heard_at = now
             self._say(visit, f"you drive {self.robot}")
 
     async def release(self, why: str = "released") -> None:
@@ -129,15 +137,13 @@ class DriveControl:
             await self._let_go()
             self._say(holder, f"you do not drive {self.robot} any more: {why}")
 
-    def drive(self, visit: Visit, command: DriveCommand) -> str:
-        """Carry out a command of a page; return why it is not obeyed, empty if it is."""
+    def drive(self, visit: Visit, command: DriveCommand, now: float) -> str:
+        """Carry out a command of a page at a time, s; return why it is not obeyed, empty if it is."""
         if self.holder is not visit:
             return "take control first"
-        now = self._now
         age = now - command.tick
         if not 0.0 <= age <= self._limits.old_s:
-            self.halt()
-            self._is_latched = True
+            self.latch()
             return f"the command is {max(age, 0.0):.1f} s old and was not obeyed"
         self._heard_at = now
         if self._is_latched:
@@ -160,15 +166,20 @@ class DriveControl:
             self._zeros += 1
             self._publish(0.0, 0.0)
 
-    async def check(self) -> None:
-        """Stop the robot if the driver is silent, and release the leases if that lasts. Call it often."""
+    def latch(self) -> None:
+        """Stop the robot until its driver has let go, since a person or an emergency stop has stopped it."""
+        self.halt()
+        self._is_latched = True
+
+    async def check(self, now: float) -> None:
+        """Stop the robot if the driver is silent at a time, s, and release the leases if that lasts. Call it often."""
         if (holder := self.holder) is None:
             return
         if any(not lease.is_held for lease in self._leases.values()):
             news = next((lease.news for lease in self._leases.values() if not lease.is_held), None)
             await self.release(f"the lease is lost ({news or 'it was not renewed'})")
             return
-        silence = self._now - self._heard_at
+        silence = now - self._heard_at
         if silence > self._limits.silent_s or not holder.sockets:
             self.halt()
             if not self._is_latched:
@@ -181,10 +192,6 @@ class DriveControl:
         """Stop the robot and release the leases at the end of the program."""
         await self.release("the console ends")
         self._wheels.close()
-
-    @property
-    def _now(self) -> float:
-        return asyncio.get_running_loop().time()
 
     @property
     def _wanted_by(self) -> str:

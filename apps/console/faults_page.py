@@ -105,7 +105,7 @@ class _FaultsPage:
         self._fields = {}
         about = self._known.get(str(self._choice.value))
         self._inject.set_enabled(about is not None and self._console.may_command)
-        self._meaning.text = f"{about['meaning']} {about['ending']}".strip() if about else ""
+        self._meaning.text = f"{about['meaning']}; at its end: {about['ending']}" if about else ""
         if not about:
             return
         self._robot.set_options(

@@ -61,6 +61,7 @@ export default {
       () => (this.lost = "The connection to the console is lost; the map is old. Trying again."),
     );
     this.clock = setInterval(() => this.tellRows(), 2000);
+    this.$el.toScreen = (x, y) => this.toScreen(x, y); // for programs that click
   },
   unmounted() {
     clearInterval(this.clock);
@@ -221,6 +222,13 @@ export default {
       return [
         this.view.x + (px - box.left - box.width / 2) / this.view.scale,
         this.view.y - (py - box.top - box.height / 2) / this.view.scale,
+      ];
+    },
+    toScreen(x, y) {
+      const box = this.$refs.canvas.getBoundingClientRect();
+      return [
+        box.left + box.width / 2 + (x - this.view.x) * this.view.scale,
+        box.top + box.height / 2 - (y - this.view.y) * this.view.scale,
       ];
     },
 

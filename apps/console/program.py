@@ -16,7 +16,7 @@ from agents.platform import Agent, AgentError, Directory, Ending, NameNotValid, 
 from agents.platform.errors import in_words
 from apps.console.agent_watch import AgentWatch
 from apps.console.applications import ApplicationRuns
-from apps.console.driving import DriveCommand, DriveControl
+from apps.console.driving import BASE, DriveCommand, DriveControl
 from apps.console.emulator import EmulatorControl
 from apps.console.floor import FloorPlan
 from apps.console.map_feed import MapFeed
@@ -132,6 +132,8 @@ class Console:
         """End all pages of somebody who has logged out, or whose time is over."""
         for visit in [each for each in self.visits.values() if each.session == session]:
             await self.end_visit(visit)
+            if visit.on_end is not None:
+                visit.on_end()
 
     def say(self, visit: Visit, words: str) -> None:
         """Show a page what has happened."""
@@ -173,6 +175,8 @@ class Console:
         It needs no lease.
         """
         robots = [robot.name for robot in self.robots.robots.values() if robot.is_there]
+        for drive in self._drives.values():
+            drive.latch()
         replies = await asyncio.gather(*(self.command(robot, keys.ESTOP, on=True) for robot in robots))
         told = {robot: why or "stopped" for robot, why in zip(robots, replies, strict=True)}
         failed = {robot: why for robot, why in told.items() if why != "stopped"}
@@ -182,7 +186,13 @@ class Console:
 
     async def release_stop(self, robot: str) -> str:
         """Release a robot's emergency stop and switch its motors on; return why that failed, empty if it did not."""
-        return await self.command(robot, keys.ESTOP, on=False) or await self.command(robot, keys.ENABLE, on=True)
+        return await self.command(robot, keys.ESTOP, on=False) or await self.enable(robot, on=True)
+
+    async def enable(self, robot: str, *, on: bool) -> str:
+        """Switch a robot's motors, though a page drives it; return why that failed, empty if it did not."""
+        drive = self._drives.get(robot)
+        token = drive.token(BASE) if drive is not None else ""
+        return await self.command(robot, keys.ENABLE, on=on, **({"token": token} if token else {}))
 
     async def command(self, robot: str, topic: Topic, **arguments: Any) -> str:
         """Send a command to a robot's gateway; return why it was not carried out, empty if it was."""
@@ -241,7 +251,7 @@ class Console:
     def _take_command(self, visit: Visit, command: DriveCommand) -> None:
         drive = self._drives.get(visit.robot)
         if drive is not None and drive.holder is visit:
-            drive.drive(visit, command)
+            drive.drive(visit, command, asyncio.get_running_loop().time())
 
     def _drive_reply(self, visit: Visit) -> dict[str, Any]:
         drive = self._drives.get(visit.robot)
@@ -259,7 +269,16 @@ class Console:
 
     async def _watch_drivers(self) -> None:
         """Look after the drivers, again and again. An error ends one look, and never the watch."""
-        await self._again(_CHECK, lambda: asyncio.gather(*(drive.check() for drive in self._drives.values())))
+        loop = asyncio.get_running_loop()
+
+        async def check() -> None:
+            for drive in self._drives.values():
+                robot = self.robots.robots.get(drive.robot)
+                if robot is not None and robot.is_stopped:
+                    drive.latch()
+            await asyncio.gather(*(drive.check(loop.time()) for drive in self._drives.values()))
+
+        await self._again(_CHECK, check)
 
     async def _sample(self) -> None:
         async def sample() -> None:
@@ -277,10 +296,12 @@ class Console:
 
     async def _recall(self) -> None:
         """Read what a monitor has noted before the console was started."""
+        begun = self.agent.home.wall_time()
         for description in await self.directory.search(service="monitoring"):
             outcome = await self.ask(str(description.name), "events", last=_KNOWN_EVENTS)
             for event in outcome.result if outcome.is_done and isinstance(outcome.result, list) else []:
-                self.timeline.hear_monitor(event)
+                if isinstance(event, Mapping) and event.get("time", begun) < begun:
+                    self.timeline.hear_monitor(event)
 
     async def _hear_monitor(self, event: Any) -> None:
         if isinstance(event, Mapping):

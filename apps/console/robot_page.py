@@ -29,6 +29,7 @@ PANELS: tuple[tuple[str, int, type[RobotPanel]], ...] = (
     ("power", 0, PowerPanel),
 )
 """Element that a panel needs (none for ""), column, and panel; they appear and disappear with the element."""
+_KINDS = {True: ("EMULATED", "c-emulated"), False: ("REAL", "c-real"), None: ("NOT KNOWN YET", "c-quiet")}
 _REFRESH = 0.3  # s
 
 
@@ -40,7 +41,7 @@ def build(console: Console, visit: Visit) -> None:
 class _RobotPage:
     def __init__(self, console: Console, visit: Visit) -> None:
         self._console, self._visit = console, visit
-        self._shown: tuple[str, ...] | None = None
+        self._shown: object = None
         self._panels: list[RobotPanel] = []
         self._box = ui.element("div")
         self._refresh()
@@ -55,8 +56,8 @@ class _RobotPage:
             return
         present = set(robot.elements) if robot.description else set()
         shown = tuple(element for element, _, _ in PANELS if element in present or not element)
-        if shown != self._shown:
-            self._shown = shown
+        if (shown, robot.is_emulated) != self._shown:
+            self._shown = shown, robot.is_emulated
             self._build(shown)
         for each in self._panels:
             each.refresh()
@@ -67,9 +68,11 @@ class _RobotPage:
         with self._box:
             with ui.element("h1").classes("c-title"):
                 ui.label(self._visit.robot)
+                words, look = _KINDS[self._console.robots.robots[self._visit.robot].is_emulated]
+                ui.label(words).classes(f"c-badge {look}")
             with ui.element("div").classes("c-columns"):
                 for column in range(3):
-                    with ui.element("div").classes("c-stack"):
+                    with ui.element("div").classes("c-stack" + (" c-drivers" if column == 1 else "")):
                         for element, where, kind in PANELS:
                             if where == column and element in shown:
                                 self._panels.append(kind(self._console, self._visit))

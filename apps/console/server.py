@@ -19,6 +19,7 @@ from apps.web.server import page_server, serve_pages
 from bus import Bus, NotAllowed
 
 PLATFORM = "apps"
+_LOOK = 5.0  # s between two looks at sessions whose time is over
 
 
 async def serve(
@@ -57,6 +58,7 @@ async def serve(
             else:
                 sessions.on_end = console.end_session
                 server = page_server(app, "Acromovi", host, lambda inner: PasswordGate(inner, sessions))
+                agent.every(_LOOK, sessions.end_old)
             await serve_pages(server, listener, on_ready)
 
 

@@ -1,10 +1,11 @@
 """The frame of all pages: the robots and their state, the red button, navigation, theme."""
 
+import asyncio
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
-from urllib.parse import quote
 
-from nicegui import ui
+from nicegui import Client, ui
 from nicegui.element import Element
 
 from apps.console.health import standing
@@ -20,6 +21,7 @@ STOP_PATH = "/stop"
 _THEME = "acromovi-theme"  # cookie
 _YEAR = 31_536_000  # s
 _REFRESH = 0.3  # s
+_PARTING = 0.5  # s for a page to hear that its session has ended
 
 
 class StopButton(Element, component="stop_button.js"):
@@ -44,6 +46,7 @@ def begin_page(console: Console, page: ConsolePage, pages: Sequence[ConsolePage]
     visit = console.begin_visit(client.ip or "?", cookies.get(COOKIE, ""))
     visit.robot = robot
     client.on_delete(lambda: console.end_visit(visit))
+    visit.on_end = partial(_end_page, client)
     ui.add_css(STYLE)
     ui.add_css(CONSOLE_STYLE)
     ui.page_title(f"{page.title} · Acromovi")
@@ -53,7 +56,7 @@ def begin_page(console: Console, page: ConsolePage, pages: Sequence[ConsolePage]
     ui.html('<a class="c-skip" href="#content">Skip to the content</a>', sanitize=False)
     with ui.element("header").classes("c-top"):
         ui.link("Acromovi", "/").classes("c-brand")
-        _RobotChips(console, visit)
+        _TeamBar(console, visit)
         with ui.element("div").classes("c-actions"):
             _theme_button(dark)
             if visit.session:
@@ -72,13 +75,22 @@ def begin_page(console: Console, page: ConsolePage, pages: Sequence[ConsolePage]
         page.build(console, visit)
 
 
-class _RobotChips:
-    """The robots of the team in the top bar, with their state; each leads to its page."""
+class RobotChips(Element, component="robot_chips.js"):
+    """The robots of the team in the top bar."""
+
+    def show(self, rows: list[tuple[str, str, str]], chosen: str) -> None:
+        """Show robots: name, state, state in words; and which one is chosen."""
+        if (rows, chosen) != (self._props.get("rows"), self._props.get("chosen")):
+            self._props["rows"] = rows
+            self._props["chosen"] = chosen
+
+
+class _TeamBar:
+    """The robots, and the button that releases their emergency stops."""
 
     def __init__(self, console: Console, visit: Visit) -> None:
         self._console, self._visit = console, visit
-        self._shown: tuple[object, ...] = ()
-        self._box = ui.element("ul").classes("c-robots").props('aria-label="Robots"')
+        self._chips = RobotChips()
         with ui.element("div").classes("c-held"):
             self._release = ui.button("Release the stop", icon="lock_open", on_click=self._ask).props(
                 "outline dense no-caps color=negative"
@@ -88,22 +100,8 @@ class _RobotChips:
 
     def _refresh(self) -> None:
         robots = [self._console.robots.robots[name] for name in self._console.robots.names]
-        shown = tuple((robot.name, *standing(robot)) for robot in robots)
-        if shown == self._shown and self._box.default_slot.children:
-            return
-        self._shown = shown
+        self._chips.show([(robot.name, *standing(robot)) for robot in robots], self._visit.robot)
         self._release.set_visibility(any(robot.is_stopped for robot in robots) and not self._why_not())
-        self._box.clear()
-        with self._box:
-            if not robots:
-                with ui.element("li"):
-                    ui.label("no robot is on the bus yet").classes("c-chip c-away").props('role="status"')
-            for name, level, words in shown:
-                with ui.element("li"), ui.link(target=f"/robot/{quote(str(name), safe='')}") as link:
-                    link.classes(f"c-chip c-{level}" + (" c-here" if name == self._visit.robot else ""))
-                    ui.element("span").classes("c-dot").props('aria-hidden="true"')
-                    ui.label(str(name)).classes("c-name")
-                    ui.label(str(words)).classes("c-words")
 
     def _why_not(self) -> str:
         return self._console.why_not(keys.ESTOP)
@@ -139,6 +137,12 @@ def _theme_button(dark: ui.dark_mode) -> None:
     with ui.button(icon=icon).props('flat round dense aria-label="Theme"') as button, ui.menu():
         for name, _, value in themes:
             ui.menu_item(f"{name.capitalize()} theme", lambda name=name, value=value: choose(name, value))
+
+
+def _end_page(client: Client) -> None:
+    """Show the page for the password, and take no more orders from this one."""
+    client.run_javascript("location.assign('/login')")
+    asyncio.get_running_loop().call_later(_PARTING, client.delete)
 
 
 def _log_out() -> None:

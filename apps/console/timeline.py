@@ -65,10 +65,5 @@ class Timeline:
             kinds: Which.
             about: Part of what they are about; empty for any.
         """
-        found = []
-        for event in reversed(self._events):
-            if event.kind in kinds and about.lower() in event.about.lower():
-                found.append(event)
-                if len(found) == most:
-                    break
-        return found
+        found = [event for event in self._events if event.kind in kinds and about.lower() in event.about.lower()]
+        return sorted(found, key=lambda event: (event.time, event.number), reverse=True)[:most]

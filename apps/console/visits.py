@@ -2,6 +2,7 @@
 
 import asyncio
 from collections import deque
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 _MOST_OUTCOMES = 50
@@ -14,7 +15,8 @@ class Visit:
     ticket: secret part of the addresses of its websockets. name: for people. session: with which it was opened; empty
     where no password is asked for. robot: which it shows; empty for none. sockets: by which its browser drives.
     outcomes: of the latest commands, the newest first: time of the day and words. outcome_count: of all of them.
-    motions: requests that its browser began; they are cancelled when it is gone.
+    motions: requests that its browser began; they are cancelled when it is gone. on_end: ends the page itself, when its
+    session ends.
     """
 
     ticket: str
@@ -25,6 +27,7 @@ class Visit:
     outcomes: deque[tuple[str, str]] = field(default_factory=lambda: deque(maxlen=_MOST_OUTCOMES))
     outcome_count: int = 0
     motions: "set[asyncio.Task[None]]" = field(default_factory=set)
+    on_end: Callable[[], None] | None = None
 
     def tell(self, clock: str, words: str) -> None:
         """Note what has happened, at a time of the day."""

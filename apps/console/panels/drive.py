@@ -1,13 +1,16 @@
 """The panel for driving: control by lease, keys, a joystick on the screen, a gamepad."""
 
+import asyncio
 from functools import partial
 
 from nicegui import ui
 from nicegui.element import Element
 from nicegui.events import ValueChangeEventArguments
 
+from apps.console.driving import DriveControl
 from apps.console.page import panel
 from apps.console.program import Console
+from apps.console.robots import WatchedRobot
 from apps.console.visits import Visit
 from apps.web.viewer import SHARED
 
@@ -68,22 +71,25 @@ class DrivePanel:
             return
         drive = console.drive_of(robot.name)
         mine = drive.holder is self._visit
-        others = robot.holder()
         self._control.text = _RELEASE if mine else _TAKE
         self._control.set_enabled(robot.is_connected and (mine or drive.holder is None))
         self._pad.activate(mine)
-        if mine and robot.is_stopped:
-            self._who.text = "The e-stop holds the robot; release it to drive."
-        elif mine and robot.state is not None and not robot.state.motors:
-            self._who.text = "The motors are off; switch them on to drive."
-        elif mine:
-            self._who.text = "You drive."
-        elif drive.holder is not None:
-            self._who.text = f"{drive.holder.name} drives."
-        elif others:
-            self._who.text = f"{others} has the lease; control is given when it lets go."
-        else:
-            self._who.text = "Nobody drives." if robot.is_connected else "The robot is not connected."
+        self._who.text = self._words(robot, drive)
+
+    def _words(self, robot: WatchedRobot, drive: DriveControl) -> str:
+        """Return who drives, and what prevents it."""
+        if not robot.is_connected:
+            return "The robot is not connected."
+        if robot.is_stopped:
+            return "The e-stop holds the robot; release it to drive."
+        if robot.state is not None and not robot.state.motors:
+            return "The motors are off; switch them on to drive."
+        if drive.holder is self._visit:
+            return "You drive."
+        if drive.holder is not None:
+            return f"{drive.holder.name} drives."
+        holder = robot.holder()
+        return f"{holder} has the lease; control is given when it lets go." if holder else "Nobody drives."
 
     async def _toggle(self) -> None:
         """Do what the button says: pressed twice, "Take control" does not release what it has just taken."""
@@ -93,7 +99,7 @@ class DrivePanel:
             if drive.holder is self._visit:
                 await drive.release()
         else:
-            await drive.take(self._visit, robot.elements)
+            await drive.take(self._visit, robot.elements, asyncio.get_running_loop().time())
         self.refresh()
 
     def _choose(self, index: int, event: ValueChangeEventArguments[float]) -> None:

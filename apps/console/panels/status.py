@@ -22,9 +22,7 @@ class StatusPanel:
         self._facts: dict[str, ui.label] = {}
         self._shown: list[str] | None = None
         with panel("State"):
-            with ui.row().classes("rv-row"):
-                self._badge = ui.label().classes("c-badge")
-                self._model = ui.label().classes("c-quiet")
+            self._model = ui.label().classes("c-quiet")
             with ui.element("dl").classes("c-facts"):
                 for name in _facts(console.robots.robots[visit.robot]):
                     with ui.element("dt"):
@@ -42,7 +40,7 @@ class StatusPanel:
     def refresh(self) -> None:
         """Show the newest readings."""
         robot = self._console.robots.robots[self._visit.robot]
-        self._show_kind(robot)
+        self._show_model(robot)
         for name, words in _facts(robot).items():
             self._facts[name].text = words
         state = robot.state
@@ -61,10 +59,7 @@ class StatusPanel:
                     with ui.element("li"):
                         ui.label(each)
 
-    def _show_kind(self, robot: WatchedRobot) -> None:
-        emulated = robot.is_emulated
-        self._badge.text = {True: "EMULATED", False: "REAL", None: "UNKNOWN"}[emulated]
-        self._badge.classes(replace="c-badge " + {True: "c-emulated", False: "c-real", None: "c-quiet"}[emulated])
+    def _show_model(self, robot: WatchedRobot) -> None:
         versions = robot.description.get("versions")
         firmware = versions.get("firmware", "") if isinstance(versions, dict) else ""
         self._model.text = f"{robot.description.get('model', 'model not known')}, {firmware}".rstrip(", ")
@@ -72,7 +67,7 @@ class StatusPanel:
     async def _switch_motors(self) -> None:
         robot = self._console.robots.robots[self._visit.robot]
         on = not (robot.state is not None and robot.state.motors)
-        why = await self._console.command(robot.name, keys.ENABLE, on=on)
+        why = await self._console.enable(robot.name, on=on)
         self._console.say(self._visit, f"{robot.name}: {why or ('motors on' if on else 'motors off')}")
 
     async def _stop(self) -> None:

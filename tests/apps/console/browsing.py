@@ -68,7 +68,7 @@ class ConsoleTab:
         """Take control of the robot, unless this tab has it; again, while another one is about to release it."""
 
         def drives() -> bool:
-            if self.page.get_by_text("You drive.").count():
+            if self.page.get_by_role("button", name="Release control").count():
                 return True
             with suppress(NotFound):
                 self.page.get_by_role("button", name="Take control").first.click(timeout=SHOWN * 1e3)

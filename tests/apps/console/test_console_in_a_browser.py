@@ -1,8 +1,8 @@
 """The console in Chromium, on an emulated team: what is drawn, who drives, and what happens when something dies."""
 
+import os
 import re
 import signal
-import subprocess
 import time
 from collections.abc import Iterator
 from urllib.parse import urlsplit
@@ -12,9 +12,9 @@ from playwright.sync_api import Browser
 
 from bus import keys
 from tests.acromovi.team.running import RunningTeam, running
-from tests.apps.console.browsing import ConsoleTab, console
+from tests.apps.console.browsing import ConsoleTab
 from tests.apps.remote_vision.browser import children, chromium, frozen, needs_chromium
-from tests.waiting import exit_code, wait_until
+from tests.waiting import wait_until
 
 pytestmark = needs_chromium
 TEAM = """\
@@ -40,14 +40,13 @@ PAUSE = 0.1  # s between two looks at a robot
 def team(tmp_path_factory: pytest.TempPathFactory) -> Iterator[RunningTeam]:
     file = tmp_path_factory.mktemp("team") / "team.toml"
     file.write_text(TEAM)
-    with running(str(file)) as team:
+    with running(str(file), "--console", "0") as team:
         yield team
 
 
 @pytest.fixture(scope="module")
-def served(team: RunningTeam) -> "Iterator[tuple[subprocess.Popen[str], str]]":
-    with console(team.profile, "--control", team.announced["control"]) as served:
-        yield served
+def address(team: RunningTeam) -> str:
+    return str(team.announced["console"])
 
 
 @pytest.fixture(scope="module")
@@ -57,8 +56,8 @@ def browser() -> Iterator[Browser]:
 
 
 @pytest.fixture(scope="module")
-def tab(browser: Browser, served: "tuple[subprocess.Popen[str], str]") -> Iterator[ConsoleTab]:
-    tab = ConsoleTab(browser, served[1])
+def tab(browser: Browser, address: str) -> Iterator[ConsoleTab]:
+    tab = ConsoleTab(browser, address)
     yield tab
     tab.close()
     assert tab.errors == []
@@ -121,9 +120,9 @@ def test_a_robot_turns_while_a_key_is_held(team: RunningTeam, tab: ConsoleTab) -
 
 
 def test_a_second_driver_sees_who_drives_and_can_stop_without_a_lease(
-    team: RunningTeam, tab: ConsoleTab, browser: Browser, served: "tuple[subprocess.Popen[str], str]"
+    team: RunningTeam, tab: ConsoleTab, browser: Browser, address: str
 ) -> None:
-    other = ConsoleTab(browser, served[1], "/robot/happy")
+    other = ConsoleTab(browser, address, "/robot/happy")
 
     def is_seen() -> bool:
         drive(team, tab)  # again: a browser that a busy machine held up for 3 s has lost control
@@ -139,34 +138,46 @@ def test_a_second_driver_sees_who_drives_and_can_stop_without_a_lease(
     tab.release("ArrowLeft")
     other.press("Release the stop")
     other.press("Release")
-    other.page.get_by_text("E-STOP").first.wait_for(state="hidden")
+    other.page.locator(".c-chip.c-alarm").first.wait_for(state="hidden")
     other.close()
 
 
 def test_a_browser_that_freezes_or_is_closed_stops_the_robot(
-    team: RunningTeam, tab: ConsoleTab, browser: Browser, served: "tuple[subprocess.Popen[str], str]"
+    team: RunningTeam, tab: ConsoleTab, browser: Browser, address: str
 ) -> None:
     drive(team, tab)
     with frozen(*children("--type=renderer")):
         stands(team)
         wait_until(lambda: not holder(team), "the lease is released")
     tab.release("ArrowLeft")
-    second = ConsoleTab(browser, served[1])
+    second = ConsoleTab(browser, address)
     drive(team, second, "ArrowRight")
     second.close()
     stands(team)
     wait_until(lambda: not holder(team), "the lease is released")
 
 
-def test_a_console_that_freezes_or_is_killed_stops_the_robot(
-    team: RunningTeam, tab: ConsoleTab, served: "tuple[subprocess.Popen[str], str]"
-) -> None:
-    process, _ = served
+def test_a_fault_is_injected_and_cleared(team: RunningTeam, tab: ConsoleTab) -> None:
+    tab.go("/faults")
+    tab.page.get_by_label("Fault").first.click()
+    tab.page.get_by_role("option", name="battery-low", exact=True).click()
+    tab.press("Inject")
+    tab.sees("battery-low is injected")
+    assert [row["fault"] for row in team.emulator().ask("faults")["faults"]] == ["battery-low:robot=happy"]
+    tab.press("Clear all")
+    tab.sees("all faults are cleared")
+    assert team.emulator().ask("faults")["faults"] == []
+    tab.go("/timeline")
+    tab.sees("battery-low was injected")
+
+
+def test_a_console_that_freezes_or_is_killed_stops_the_robot(team: RunningTeam, tab: ConsoleTab) -> None:
+    (process,) = children("acromovi\0console", team.process.pid)
     drive(team, tab)
-    with frozen(process.pid):
+    with frozen(process):
         stands(team)
     tab.release("ArrowLeft")
     drive(team, tab)
-    process.kill()
+    os.kill(process, signal.SIGKILL)
     stands(team)
-    assert exit_code(process) == -signal.SIGKILL
+    wait_until(lambda: children("acromovi\0console", team.process.pid) not in ([], [process]), "it is started again")

@@ -1,0 +1,162 @@
+"""Make the pictures of the console: `python tools/console_pictures.py [FOLDER]`, by default `docs/pictures`.
+
+It starts a team with the console and Chromium, sends a robot to a place, drives another one, and takes the pictures: in
+both themes, and at the width of a phone. It takes about a minute.
+"""
+
+import json
+import sys
+import tempfile
+import uuid
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from shutil import which
+
+from PIL import Image
+from playwright.sync_api import Browser, Page, sync_playwright
+
+from tools.page_picture import FOLDER, shrink, started
+
+SIZE, PHONE = {"width": 1280, "height": 800}, {"width": 390, "height": 800}  # px
+TRIES = 10
+GAP = 24  # px between the pictures of phones
+TEAM = """\
+world = "office"
+
+[[robots]]
+name = "happy"
+model = "p3dx-sh"
+fit = ["gripper", "laser"]
+navigation = true
+at_m = [2.0, 6.1]
+
+[[robots]]
+name = "doc"
+model = "p3dx-sh"
+fit = ["gripper", "ptz:vcc4", "camera:320x240@10"]
+at_m = [12.6, 6.1]
+heading_deg = 180.0
+
+[[robots]]
+name = "max"
+model = "powerbot-sh"
+fit = ["arm"]
+at_m = [8.2, 5.85]
+
+[[robots]]
+name = "sneezy"
+model = "p3dx-sh"
+fit = ["no-rear-sonar"]
+at_m = [2.5, 2.5]
+heading_deg = 90.0
+"""
+GOAL = 13.5, 9.5  # m on the map
+Act = Callable[[Page], None]
+
+
+@contextmanager
+def _page(browser: Browser, url: str, path: str, theme: str, size: dict[str, int]) -> Iterator[Page]:
+    """Open a page in a theme."""
+    context = browser.new_context(viewport=size, device_scale_factor=1)  # type: ignore[arg-type]  # two numbers
+    context.add_cookies([{"name": "acromovi-theme", "value": theme, "url": url}])
+    page = context.new_page()
+    page.goto(url.rstrip("/") + path)
+    page.locator(".c-chip").first.wait_for()
+    yield page
+    context.close()
+
+
+def _take(browser: Browser, url: str, path: str, theme: str, file: Path, act: Act, size: dict[str, int] = SIZE) -> None:
+    """Take one picture; act: brings the page into the state that it shows."""
+    with _page(browser, url, path, theme, size) as page:
+        act(page)
+        page.mouse.move(5, size["height"] - 100)
+        page.wait_for_timeout(1200)  # ms, until everything is drawn
+        page.screenshot(path=file)
+    shrink(file)
+    print(file)
+
+
+def _look(page: Page) -> None:
+    page.wait_for_timeout(1500)
+
+
+def _send(page: Page) -> None:
+    """Send happy to a place by a click on the map."""
+    page.get_by_role("switch", name="Send by a click").click()
+    page.wait_for_timeout(1500)  # ms, until the map stands still
+    x, y = page.evaluate("([x, y]) => document.querySelector('.c-map').toScreen(x, y)", list(GOAL))
+    page.mouse.click(x, y)
+    page.get_by_text("is sent to").first.wait_for()
+    page.get_by_role("switch", name="Send by a click").click()
+    page.wait_for_timeout(9000)  # ms, until a part of the way has been driven
+
+
+def _drive(page: Page) -> None:
+    """Drive doc ahead; again, while a busy machine holds the browser up."""
+    page.get_by_role("button", name="Take control").first.click()
+    page.get_by_text("You drive.").wait_for()
+    for _ in range(TRIES):
+        page.keyboard.up("ArrowUp")
+        page.wait_for_timeout(400)
+        page.keyboard.down("ArrowUp")
+        page.wait_for_timeout(1500)
+        if not page.get_by_text("stopped: let go").count():
+            return
+
+
+def _inject(page: Page) -> None:
+    """Inject a fault, and show what another one takes."""
+    page.get_by_label("Fault").first.click()
+    page.get_by_role("option", name="sonar-dead", exact=True).click()
+    page.wait_for_timeout(500)
+
+
+def _side_by_side(files: list[Path], to: Path) -> None:
+    """Join pictures of phones."""
+    pictures = [Image.open(file).convert("RGB") for file in files]
+    width = sum(picture.width for picture in pictures) + GAP * (len(pictures) - 1)
+    page = Image.new("RGB", (width, pictures[0].height), "white")
+    at = 0
+    for picture in pictures:
+        page.paste(picture, (at, 0))
+        at += picture.width + GAP
+    page.save(to)
+    shrink(to)
+    print(to)
+
+
+def main(arguments: list[str]) -> None:
+    """Make the pictures."""
+    folder = Path(*arguments) if arguments else FOLDER
+    chromium = which("chromium")
+    if chromium is None:
+        sys.exit("tools/console_pictures.py: chromium is not installed; install it with: apt install chromium")
+    bus = f"local:picture-{uuid.uuid4().hex[:8]}"
+    with tempfile.TemporaryDirectory() as scratch:
+        team = Path(scratch) / "team.toml"
+        team.write_text(TEAM)
+        with (
+            started("up", str(team), "--bus", bus, "--console", "0", "--json", answer='"console"') as line,
+            sync_playwright() as playwright,
+        ):
+            url = json.loads(line)["console"]
+            browser = playwright.chromium.launch(executable_path=chromium, args=["--no-sandbox"])
+            _take(browser, url, "/?robot=happy", "light", folder / "console-map.png", _send)
+            _take(browser, url, "/robot/doc", "dark", folder / "console-robot-dark.png", _drive)
+            _take(browser, url, "/?robot=doc", "dark", folder / "console-map-dark.png", _look)
+            _take(browser, url, "/robot/max", "light", folder / "console-robot.png", _look)
+            _take(browser, url, "/faults", "light", folder / "console-faults.png", _inject)
+            _take(browser, url, "/timeline", "dark", folder / "console-timeline.png", _look)
+            _take(browser, url, "/applications", "light", folder / "console-applications.png", _look)
+            phones = [("/?robot=happy", "light", _look), ("/robot/doc", "dark", _drive), ("/timeline", "light", _look)]
+            files = [Path(scratch) / f"{number}.png" for number in range(len(phones))]
+            for (path, theme, act), file in zip(phones, files, strict=True):
+                _take(browser, url, path, theme, file, act, PHONE)
+            _side_by_side(files, folder / "console-phone.png")
+            browser.close()
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])
