@@ -3,6 +3,7 @@
 import asyncio
 from collections.abc import Coroutine
 from contextlib import suppress
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -14,6 +15,7 @@ from agents.platform.containers import ContainerReport, ListedAgent, order, read
 from agents.platform.conversations.any_message import converse
 from agents.platform.virtual_time import VirtualTimeLoop
 from agents.sniffer.captured import Unreadable
+from apps.console.agent_control import why_not_ask, why_not_control
 from apps.console.agent_panels.inside import inside_rows
 from apps.console.agent_tree import has_words, tree_of
 from apps.console.agent_watch import AgentWatch, WatchedAgent
@@ -21,7 +23,7 @@ from apps.console.composing import DraftNotValid, draft_of
 from apps.console.data_view import table_of, text_of
 from apps.console.request_form import FieldNotValid, FormField, arguments_of, fields_of
 from apps.console.sniffer_feed import MessageLog, message_row
-from bus import MemoryBus, MemoryNetwork
+from bus import MemoryBus, MemoryNetwork, NotAllowed
 from tests.acromovi.sniffer.talking import A_TALK
 
 BASE, SONAR = AgentName("base", "happy"), AgentName("sonar", "max")
@@ -219,3 +221,36 @@ def test_the_inside_of_an_agent_is_rows_of_text() -> None:
     assert rows["Mailbox"] == [["inform", "a@x", "", '"<b>"']]
     assert rows["Behaviours"] == [["step", "Ticker", "1", "Restart"]]
     assert rows["Conversations that it answers"][0][-1] == "yes"
+
+
+class ViewersBus(MemoryBus):
+    """A bus on which only looking is allowed."""
+
+    def check_may_query(self, key_expr: str) -> None:
+        """Refuse what is not a description."""
+        raise NotAllowed(f"the role viewer does not permit {key_expr}")
+
+
+def test_the_role_on_the_bus_decides_what_a_page_may_do() -> None:
+    def why_not(bus: MemoryBus, may_command: bool) -> tuple[str, str]:
+        console: Any = SimpleNamespace(agent=SimpleNamespace(bus=bus), may_command=may_command)
+        return why_not_control(console, HAPPY), why_not_ask(console, BASE)
+
+    with MemoryBus() as bus, ViewersBus() as viewer:
+        assert why_not(bus, True) == ("", "")
+        assert why_not(bus, False) == ("the role of this certificate permits looking only",) * 2
+        assert why_not(viewer, True)[0] == "the role viewer does not permit happy/containers/happy/control"
+        assert why_not(viewer, True)[1] == "the role viewer does not permit happy/agents/base/acl"
+
+
+def test_a_container_that_answers_nonsense_is_left_out_and_its_token_tells_that_it_is_there() -> None:
+    async def act() -> tuple[list[str], list[str]]:
+        with MemoryBus() as bus, Directory(bus) as directory, AgentWatch(bus, directory) as watch:
+            for number, nonsense in enumerate(({}, {"host": "lab", "process": 1, "agents": [{"name": "<b>"}]})):
+                called = ContainerName(f"c{number}", "team")
+                bus.declare_alive(called.alive_key)
+                bus.serve(called.description_key, lambda arguments, nonsense=nonsense: nonsense)
+            await watch.refresh()
+            return list(watch.reports), [each.name for each in watch.silent]
+
+    assert run(act()) == ([], ["c0", "c1"])
