@@ -122,8 +122,10 @@ async def held_leases(bus: Bus) -> tuple[list[dict[str, Any]], str]:
 
 
 def _held(robot: str, state: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
-    """Return a gateway's answer, a row for each lease."""
-    elements = {robot: state} | {f"{name}@{robot}": lease for name, lease in state.get("elements", {}).items()}
-    for element, lease in elements.items():
-        if lease.get("holder") is not None:
-            yield {"element": element, **{name: lease[name] for name in ("holder", "priority", "expires_in")}}
+    """Return a gateway's answer, a row for each lease; what is no lease is left out."""
+    parts = state.get("elements")
+    elements = {f"{name}@{robot}": lease for name, lease in parts.items()} if isinstance(parts, Mapping) else {}
+    for element, lease in {robot: state, **elements}.items():
+        match lease:
+            case {"holder": str(holder), "priority": int(priority), "expires_in": int() | float() as left}:
+                yield {"element": element, "holder": holder, "priority": priority, "expires_in": left}

@@ -33,7 +33,7 @@ async def control(console: Console, visit: Visit, agent: WatchedAgent, do: str, 
     """
     try:
         answer = await order(console.agent.bus, agent.container, do, name=str(agent.name), **given)
-        words = f"{agent.name} is {answer['state']} in {answer.get('container', agent.container.name)}"
+        words = f"{agent.name} is {answer.get('state')} in {answer.get('container', agent.container.name)}"
     except TimeoutError:
         words = f"{agent.name}: the container {agent.container} does not answer"
     except (AgentError, BusError) as err:

@@ -71,7 +71,7 @@ class _AgentsPage:
     def _add_agent(self, visit: Visit) -> None:
         self._title = ui.label("Choose an agent in the list.").classes("a-title")
         with ui.element("div").classes("c-stack") as self._about:
-            self._state = StatePanel(self._console, visit)
+            self._state = StatePanel(self._console, visit, lambda: self._conversations.diagram.filter(self._chosen))
             with ui.tabs().props("dense no-caps align=left inline-label") as self._tabs:
                 for each in _TABS:
                     ui.tab(each)

@@ -84,6 +84,24 @@ class FormField:
             raise FieldNotValid(f'{self.name} is a JSON value, such as 1.5, "text" or {{"x": 1}}: {err}') from err
 
 
+def entries_of(told: Mapping[str, Any], kinds: Sequence[str]) -> dict[str, tuple[str, Mapping[str, Any]]]:
+    """Return the entries of an interface by the words for people, with their kinds; what is no entry is left out.
+
+    Args:
+        told: What a container has answered.
+        kinds: Which of `KINDS`.
+    """
+    found: dict[str, tuple[str, Mapping[str, Any]]] = {}
+    for kind in kinds:
+        rows = told.get(kind)
+        for entry in rows if isinstance(rows, list) else ():
+            match entry:
+                case {"name": str(name), "doc": str(), "parameters": list(parameters)}:
+                    if all(isinstance(each, Mapping) and isinstance(each.get("name"), str) for each in parameters):
+                        found[f"{KINDS[kind]} {name}"] = kind, entry
+    return found
+
+
 def fields_of(entry: Mapping[str, Any]) -> list[FormField]:
     """Return the fields for one entry of an interface."""
     return [FormField.of(parameter) for parameter in entry["parameters"]]

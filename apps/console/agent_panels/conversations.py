@@ -23,15 +23,14 @@ class SequenceDiagram(Element, component="sequence.js", esm=SHARED):
         super().__init__()
         self._props["path"] = f"{SNIFFER_PATH}/{visit.ticket}"
         self._props["opened"] = 0
-        self._props["about"] = ""
 
     def open(self, number: int) -> None:
         """Mark a message."""
         self._props["opened"] = number
 
     def filter(self, agent: str) -> None:
-        """Show the messages of one agent, empty for all."""
-        self._props["about"] = agent
+        """Show the messages of one agent."""
+        self.run_method("filterBy", agent)
 
 
 class ConversationsPanel:

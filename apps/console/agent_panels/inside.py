@@ -33,15 +33,17 @@ class InsidePanel:
         """Look into an agent."""
         try:
             seen = await read(self._console.agent.bus, agent.container, "introspect", name=str(agent.name))
+            tables = inside_rows(seen)
+            box, malformed = seen["mailbox"], seen["malformed"]
+        except (KeyError, TypeError):
+            self._words.text = f"the container {agent.container} answers nonsense"
+            return
         except (AgentError, BusError, TimeoutError) as err:
             self._words.text = f"not known: {in_words(err)}"
             return
-        box = seen["mailbox"]
-        self._words.text = (
-            f"{box['waiting']} messages wait, {box['delivered']} delivered, {box['dropped']} dropped for want of room, "
-            f"{seen['malformed']} malformed"
-        )
-        for name, rows in inside_rows(seen).items():
+        counts = ", ".join(f"{box.get(name)} {name}" for name in ("waiting", "delivered", "dropped"))
+        self._words.text = f"messages: {counts}, {malformed} malformed"
+        for name, rows in tables.items():
             self._tables[name].show(rows)
 
 
@@ -54,7 +56,11 @@ _TABLES = (
 
 
 def inside_rows(seen: Row) -> dict[str, list[list[str]]]:
-    """Return the rows of the tables, by their headings, from the answer to `introspect`."""
+    """Return the rows of the tables, by their headings, from the answer to `introspect`.
+
+    Raises:
+        KeyError, TypeError: It is no such answer.
+    """
     return {
         "Mailbox": [_message(row) for row in seen["mailbox"]["oldest"]],
         "Behaviours": [_texts(row, "name", "kind", "failures", "policy") for row in seen["behaviours"]],

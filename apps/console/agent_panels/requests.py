@@ -13,7 +13,7 @@ from apps.console.agent_control import why_not_ask
 from apps.console.agent_watch import WatchedAgent
 from apps.console.data_view import DataView
 from apps.console.program import Console
-from apps.console.request_form import KINDS, FieldNotValid, FormField, arguments_of, fields_of
+from apps.console.request_form import FieldNotValid, FormField, arguments_of, entries_of, fields_of
 from apps.console.visits import Visit
 from bus import BusError
 
@@ -54,9 +54,7 @@ class RequestPanel:
             told = {}
         if self._name != agent.name:
             return  # another one was chosen meanwhile
-        for kind in _BY_FORM:
-            for entry in told.get(kind, ()):
-                self._entries[f"{KINDS[kind]} {entry['name']}"] = kind, entry
+        self._entries = entries_of(told, _BY_FORM)
         if told:
             self._tell("" if self._entries else "It answers no requests.")
         self._select.set_options(list(self._entries), value=next(iter(self._entries), None))

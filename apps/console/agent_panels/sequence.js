@@ -55,7 +55,7 @@ export default {
         <p v-else class="c-quiet a-empty">{{ words || (messages.length ? "no message fits the filters" : "nothing has been said yet; ask an agent for something") }}</p>
       </div>
     </div>`,
-  props: { path: String, opened: Number, about: String },
+  props: { path: String, opened: Number },
   emits: ["open"],
   data() {
     return { messages: [], agent: "", performative: "", protocol: "", conversation: "", paused: false, lost: 0, words: "", connected: true, room: 0 };
@@ -75,11 +75,6 @@ export default {
   },
   unmounted() {
     this.updates.close();
-  },
-  watch: {
-    about(name) {
-      this.agent = name;
-    },
   },
   computed: {
     fitting() {
@@ -157,6 +152,10 @@ export default {
     pause() {
       this.paused = !this.paused;
       if (!this.paused) this.wake?.();
+    },
+    // Show the messages of one agent.
+    filterBy(name) {
+      this.agent = name;
     },
     open(number) {
       this.$emit("open", { number });

@@ -1,5 +1,7 @@
 """The panel of one agent: its state, and suspending, resuming, moving and stopping it."""
 
+from collections.abc import Callable
+
 from nicegui import ui
 
 from apps.console.agent_control import control, why_not_control
@@ -11,8 +13,8 @@ from apps.console.visits import Visit
 class StatePanel:
     """Where an agent lives, and in which state."""
 
-    def __init__(self, console: Console, visit: Visit) -> None:
-        """Add it to the page."""
+    def __init__(self, console: Console, visit: Visit, show_messages: Callable[[], None]) -> None:
+        """Add it to the page. show_messages: shows the messages of the chosen agent only."""
         self._console, self._visit = console, visit
         self._agent: WatchedAgent | None = None
         with ui.element("dl").classes("c-facts"):
@@ -29,6 +31,7 @@ class StatePanel:
             self._stop = ui.button("Stop …", on_click=self._ask_stop).props("color=negative")
             for button in (self._suspend, self._resume, self._move, self._stop):
                 button.props("outline dense no-caps")
+            ui.button("Its messages", on_click=show_messages).props("flat dense no-caps")
         self._why_not = ui.label().classes("c-quiet")
 
     def refresh(self, agent: WatchedAgent) -> None:

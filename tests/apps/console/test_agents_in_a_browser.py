@@ -80,7 +80,7 @@ def test_an_agent_is_suspended_and_resumed(team: RunningTeam, tab: ConsoleTab) -
 
 def test_a_request_is_made_by_its_form_and_its_conversation_is_watched(tab: ConsoleTab) -> None:
     choose(tab, "base@happy")
-    tab.page.get_by_label("Agent", exact=True).fill("base@happy")
+    tab.press("Its messages")
     ask(tab, "turn", angle="0.1")
     tab.sees("turn: done")
     tab.page.get_by_role("cell", name="heading").first.wait_for()

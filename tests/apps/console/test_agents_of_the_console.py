@@ -17,11 +17,12 @@ from agents.platform.virtual_time import VirtualTimeLoop
 from agents.sniffer.captured import Unreadable
 from apps.console.agent_control import why_not_ask, why_not_control
 from apps.console.agent_panels.inside import inside_rows
+from apps.console.agent_panels.leases import record_rows
 from apps.console.agent_tree import has_words, tree_of
 from apps.console.agent_watch import AgentWatch, WatchedAgent
 from apps.console.composing import DraftNotValid, draft_of
 from apps.console.data_view import table_of, text_of
-from apps.console.request_form import FieldNotValid, FormField, arguments_of, fields_of
+from apps.console.request_form import FieldNotValid, FormField, arguments_of, entries_of, fields_of
 from apps.console.sniffer_feed import MessageLog, message_row
 from bus import MemoryBus, MemoryNetwork, NotAllowed
 from tests.acromovi.sniffer.talking import A_TALK
@@ -223,6 +224,9 @@ def test_the_inside_of_an_agent_is_rows_of_text() -> None:
     assert rows["Conversations that it answers"][0][-1] == "yes"
 
 
+NONSENSE: list[dict[str, Any]] = [{}, {"host": "lab", "process": 1, "agents": [{"name": "<b>"}]}]
+
+
 class ViewersBus(MemoryBus):
     """A bus on which only looking is allowed."""
 
@@ -244,13 +248,26 @@ def test_the_role_on_the_bus_decides_what_a_page_may_do() -> None:
 
 
 def test_a_container_that_answers_nonsense_is_left_out_and_its_token_tells_that_it_is_there() -> None:
+    def serve(bus: MemoryBus, key: str, nonsense: dict[str, Any]) -> None:
+        bus.serve(key, lambda arguments: nonsense)
+
     async def act() -> tuple[list[str], list[str]]:
         with MemoryBus() as bus, Directory(bus) as directory, AgentWatch(bus, directory) as watch:
-            for number, nonsense in enumerate(({}, {"host": "lab", "process": 1, "agents": [{"name": "<b>"}]})):
+            for number, nonsense in enumerate(NONSENSE):
                 called = ContainerName(f"c{number}", "team")
                 bus.declare_alive(called.alive_key)
-                bus.serve(called.description_key, lambda arguments, nonsense=nonsense: nonsense)
+                serve(bus, called.description_key, nonsense)
             await watch.refresh()
             return list(watch.reports), [each.name for each in watch.silent]
 
     assert run(act()) == ([], ["c0", "c1"])
+
+
+def test_an_interface_and_a_record_of_a_foreign_program_may_hold_anything() -> None:
+    good = {"name": "paint", "doc": "", "parameters": []}
+    bad = [1, {}, {"name": "x", "doc": "", "parameters": [1]}, {"name": "y", "doc": "", "parameters": [{"name": 2}]}]
+    assert list(entries_of({"requests": [*bad, good], "answers": 7}, ("requests", "answers"))) == ["request paint"]
+    assert record_rows([3, {"time": "now", "event": "granted", "why": "<b>"}]) == [
+        ["?", "granted", "", "", "", "why <b>"]
+    ]
+    assert record_rows(None) == []
