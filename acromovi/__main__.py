@@ -18,7 +18,8 @@ COMMANDS = {
     "ps": ("acromovi.ps", "List the agents: where they live, and in which state"),
     "directory": ("acromovi.yellow_pages", "Find agents by service, robot or property"),
     "ask": ("acromovi.ask", "Ask an agent to do something"),
-    "agent": ("acromovi.agent", "Start, stop, suspend, resume or move an agent"),
+    "send": ("acromovi.send", "Send any ACL message to agents, and print the replies"),
+    "agent": ("acromovi.agent", "Start, stop, suspend, resume, move or clone an agent"),
     "sniff": ("acromovi.sniff", "Listen to what agents say to each other, and draw it"),
     "leases": ("acromovi.leases", "List who holds which robot or element, and how that came"),
     "introspect": ("acromovi.introspect", "Look into a live agent: its mailbox, behaviours and conversations"),
@@ -28,6 +29,10 @@ COMMANDS = {
     "new": ("acromovi.new", "Write an application to begin with"),
     "teleop": ("acromovi.teleop", "Drive a robot with the keys of this terminal"),
     "command": ("acromovi.command", "Tell a robot something: stop, move, gripper, ptz and more"),
+    "record": ("acromovi.record", "Record robots and agents into an MCAP file"),
+    "replay": ("acromovi.replay", "Publish a recording again, with pauses, jumps and speed"),
+    "plot": ("acromovi.plot.command", "Draw a recording: paths, speeds, ranges, battery, latency"),
+    "world": ("acromovi.world", "Look at and change the world of an emulator: truth, poses, doors, faults, time"),
     "wire": ("acromovi.wire", "Show what flows on a robot's cable, live or recorded"),
     "doctor": ("acromovi.doctor", "Say what is wrong with a port, a robot or this machine"),
     "try": ("acromovi.scenes.play", "See an accessory, a line or a fault at work, in a few seconds"),
@@ -39,6 +44,7 @@ COMMANDS = {
     "demo": ("acromovi.demo", "Run an emulated robot, its gateway and a drive round the office, about a minute"),
     "keys": ("acromovi.keys", "Make the keys of a secure bus: who may look, who may drive"),
     "wrap": ("acromovi.wrap", "Make an agent of a program or a C library, as a file says"),
+    "completion": ("acromovi.completion", "Print a script that lets a shell complete the words of acromovi"),
     "router": ("acromovi.router", "Run a Zenoh router, to join robots of several sites"),
 }
 DESCRIPTION = "Robots on the bus: look, drive, find out what is wrong."

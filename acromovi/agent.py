@@ -1,4 +1,4 @@
-"""`acromovi agent`: start, stop, suspend, resume or move an agent."""
+"""`acromovi agent`: start, stop, suspend, resume, move or clone an agent."""
 
 import argparse
 import json
@@ -16,6 +16,8 @@ examples:
   acromovi agent resume follow@happy
   acromovi agent move follow@happy attic
       with what it keeps and the messages that wait for it; a class of your own needs the same --apps there
+  acromovi agent clone follow@happy twin@happy --in attic
+      a copy with what it keeps, under another name; messages that wait stay with the original
   acromovi agent stop follow@happy
 
 With --json one line is printed: {"name": AGENT, "state": STATE, "container": NAME}
@@ -28,6 +30,7 @@ SUMMARIES = {
     "suspend": "let an agent rest: it does nothing, refuses requests, and keeps messages",
     "resume": "let a suspended agent go on",
     "move": "move an agent into another container, with its state",
+    "clone": "start a copy of an agent under another name, with its state",
 }
 
 
@@ -53,6 +56,9 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
             )
         if name == "move":
             action.add_argument("container", metavar="CONTAINER", help="container to move it to")
+        if name == "clone":
+            action.add_argument("clone", metavar="CLONE", help="name of the copy, such as twin@happy")
+            action.add_argument("--in", dest="container", metavar="CONTAINER", help="container of the copy [the same]")
         action.add_argument("--json", action="store_true", help="print one line of JSON")
         add_bus(action)
 
@@ -73,6 +79,9 @@ def _run(arguments: argparse.Namespace) -> int:
             there = find_container(bus, home_of(bus, agent))
         if arguments.action == "move":
             given |= {"to": find_container(bus, arguments.container).name}
+        if arguments.action == "clone":
+            to = find_container(bus, arguments.container) if arguments.container else there
+            given |= {"as": str(AgentName.parse(arguments.clone)), "to": to.name}
         answer = {"container": there.name, **tell(bus, there, arguments.action, **given)}
     for_people = f"{answer['name']} is {answer['state']} in {answer['container']}"
     print(json.dumps(answer) if arguments.json else for_people)

@@ -30,7 +30,7 @@ def add_subcommands(parser: argparse.ArgumentParser, dest: str, table: Mapping[s
         dest: Attribute for the name; its upper case stands for it in the help text.
         table: Name to module and summary. A module is imported when the words after its name are parsed.
     """
-    commands = parser.add_subparsers(dest=dest, metavar=dest.upper(), required=True, parser_class=_LazyParser)
+    commands = parser.add_subparsers(dest=dest, metavar=dest.upper(), required=True, parser_class=LazyParser)
     for name, (module, summary) in table.items():
         commands.add_parser(
             name,
@@ -42,7 +42,7 @@ def add_subcommands(parser: argparse.ArgumentParser, dest: str, table: Mapping[s
         )
 
 
-class _LazyParser(CommandParser):
+class LazyParser(CommandParser):
     """The parser of one subcommand; imports its module when it begins to parse."""
 
     def __init__(self, *, module: str = "", **given: Any) -> None:
@@ -53,10 +53,14 @@ class _LazyParser(CommandParser):
         self, args: Sequence[str] | None = None, namespace: Any = None
     ) -> tuple[Any, list[str]]:
         """Parse as the base class does, with the arguments of the module."""
+        self.load()
+        return super().parse_known_args(args, namespace)
+
+    def load(self) -> None:
+        """Add the arguments of the module, unless that was done."""
         if self._module:
             command: Subcommand = import_module(self._module).COMMAND
             self._module = ""
             self.epilog = command.epilog
             self.set_defaults(run=command.run)
             command.add_arguments(self)
-        return super().parse_known_args(args, namespace)

@@ -36,6 +36,9 @@ examples:
       with the web console (docs/console.md), whose address is printed once all serve
   acromovi up acromovi --json --quiet   one line once all serve:
       {"console": URL or null, "robots": [NAME, ...], "control": PATH}
+  acromovi up my-team.toml --check      check the file, ports and extras; start nothing
+  acromovi up my-team.toml --only happy --units ~/.config/systemd/user
+      write units of systemd that start the gateway and the agents of this robot when its own computer boots
 
 A robot whose port is "emu" is emulated; with a device or a URL in its place it is real, and nothing else differs. All
 serve when every emulated robot does and every real one that is there; one that is not is waited for, and served when it
@@ -59,6 +62,11 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
         help="stop if the team has not come up within this time, s [60]",
     )
     add_apps(parser)
+    instead = parser.add_mutually_exclusive_group()
+    instead.add_argument("--check", action="store_true", help="check the file, ports and extras, and start nothing")
+    instead.add_argument(
+        "--units", type=Path, metavar="DIR", help="write units of systemd for the real robots, and start nothing"
+    )
     parser.add_argument(
         "--console",
         metavar="PORT",
@@ -79,7 +87,11 @@ def _run(arguments: argparse.Namespace) -> int:
     from acromovi.team.team import TeamFailed, TeamTimedOut
     from configs.extras import require
 
+    if arguments.check:
+        return _check(arguments)
     team = TeamPlan.load(arguments.team, arguments.only)
+    if arguments.units is not None:
+        return _write_units(team, arguments)
     if team.emulated:
         require("a team with emulated robots", "emu")
     if arguments.console is not None:
@@ -92,6 +104,48 @@ def _run(arguments: argparse.Namespace) -> int:
         except TeamFailed as err:
             print(f"acromovi up: {err}", file=sys.stderr)
             return TIMED_OUT if isinstance(err, TeamTimedOut) else 1
+
+
+def _check(arguments: argparse.Namespace) -> int:
+    """Check a team, and print what was found."""
+    from acromovi.team.check import check_team
+
+    found = check_team(arguments.team, arguments.only, arguments.bus)
+    if arguments.json:
+        print(json.dumps(found.as_json()))
+    elif not arguments.quiet:
+        for line in (*found.robots, *found.notes):
+            print(line)
+    if not arguments.json:
+        for problem in found.problems:
+            print(f"acromovi up: {problem}", file=sys.stderr)
+        if not (found.problems or arguments.quiet):
+            print(f"the team can be started: acromovi up {arguments.team}")
+    return 1 if found.problems else 0
+
+
+def _write_units(team: "TeamPlan", arguments: argparse.Namespace) -> int:
+    """Write units of systemd, and print how to enable them."""
+    from acromovi.team.identities import TeamOptions, folder_of_keys
+    from acromovi.team.units import write_units
+
+    keys = folder_of_keys(arguments.bus, team.name, [robot.name for robot in team.robots])
+    try:
+        written = write_units(team, TeamOptions(arguments.bus, keys=keys), arguments.units)
+    except OSError as err:
+        print(f"acromovi up: {err.filename or arguments.units}: {err.strerror}", file=sys.stderr)
+        return 1
+    if arguments.json:
+        print(json.dumps({"units": list(written.units), "files": [str(each) for each in written.files]}))
+    elif not arguments.quiet:
+        for file in written.files:
+            print(f"written: {file}")
+        print(
+            "start them now and at each boot, on the computer of the robot, where they are in ~/.config/systemd/user:"
+        )
+        print(f"  systemctl --user daemon-reload && systemctl --user enable --now {' '.join(written.units)}")
+        print("  loginctl enable-linger $USER    # at boot, before anybody logs in")
+    return 0
 
 
 def _names(text: str) -> tuple[str, ...]:

@@ -30,6 +30,7 @@ GROUPS = {
     "fuzz": "ten million generated frames into every parser, a million payloads from the bus: no crash",
     "agents": "requests, informs, crowds of agents, and searches of the directory",
     "team": "start-up, processor time and memory of a team of seven robots, idle and driving, by kind of process",
+    "recorder": "processor time and losses of recording the team with two cameras, and what kill -9 loses",
     "supervision": "what happens when agents' processes die, and what an agent adds to a stream",
     "fuser": "what fusing a thousand commands a second costs, and whether an old one is ever used",
     "navigation_latency": "from a scan or sonar message to the fused command, all components in processes of their own",

@@ -186,6 +186,13 @@ class Bus(Closeable):
         """Publish one message once; dropped under congestion. A dict is sent as JSON."""
 
     @abstractmethod
+    def deliver(self, sample: Sample) -> None:
+        """Publish bytes as they are, under their own key and encoding; dropped under congestion.
+
+        For recordings and bridges, which pass on what other programs made. The key has no wildcards.
+        """
+
+    @abstractmethod
     def send(self, key: str, message: object, attachment: bytes = b"") -> None:
         """Publish one message that must not be dropped: wait during congestion. A dict is sent as JSON."""
 

@@ -46,7 +46,7 @@ class MemoryBus(Bus):
     def put(self, key: str, message: object, attachment: bytes = b"") -> None:
         """Deliver one message."""
         encoder = MessageEncoder.of(message)
-        self.deliver(Sample(plain_key(key), encoder.encode(message), encoder.encoding, attachment))
+        self._deliver(Sample(plain_key(key), encoder.encode(message), encoder.encoding, attachment))
 
     def send(self, key: str, message: object, attachment: bytes = b"") -> None:
         """Deliver one message; there is no congestion here."""
@@ -131,9 +131,9 @@ class MemoryBus(Bus):
         return watching
 
     def deliver(self, sample: Sample) -> None:
-        """Deliver bytes unchanged, as a foreign program may put them."""
-        self._check_open()
-        self.network.deliver(sample)
+        """Publish bytes as they are."""
+        plain_key(sample.key)
+        self._deliver(sample)
 
     def has_listeners(self, key: str) -> bool:
         """Return whether a program subscribes to this key."""
@@ -151,6 +151,10 @@ class MemoryBus(Bus):
         self._is_closed = True
         for entered in list(self._open):
             entered.close()
+
+    def _deliver(self, sample: Sample) -> None:
+        self._check_open()
+        self.network.deliver(sample)
 
     def _enter(self, listeners: list[MemoryListener], key_expr: str, call: Callable[..., Any]) -> "_Entered":
         self._check_open()
@@ -202,7 +206,7 @@ class _MemoryPublisher(Publisher):
         self._watching.append(self._bus.watch_listeners(self._key, on_change))
 
     def put(self, message: object, attachment: bytes = b"") -> None:
-        self._bus.deliver(Sample(self._key, self._encoder.encode(message), self._encoder.encoding, attachment))
+        self._bus._deliver(Sample(self._key, self._encoder.encode(message), self._encoder.encoding, attachment))
 
     def close(self) -> None:
         """Close it; it has no subscribers any more."""

@@ -15,10 +15,10 @@ from math import inf
 from typing import Any
 
 import numpy as np
-from rosbags.interfaces import Msgdef
+from rosbags.interfaces import Msgdef, Nodetype
 from rosbags.serde import SerdeError
 from rosbags.serde.cdr import generate_deserialize_cdr, generate_getsize_cdr, generate_serialize_cdr
-from rosbags.typesys import Stores, get_typestore
+from rosbags.typesys import Stores, TypesysError, get_types_from_msg, get_typestore
 from rosbags.typesys.base import normalize_fieldname
 from rosbags.typesys.store import Typestore
 
@@ -107,13 +107,16 @@ __all__ = [
     "TwistStamped",
     "TwistWithCovariance",
     "Vector3",
+    "begins_with_header",
     "compiled_at",
     "decode",
     "decode_json",
+    "definition_text",
     "encode",
     "encode_json",
     "header",
     "heading",
+    "learn",
     "placed",
     "prepare",
     "quaternion",
@@ -182,6 +185,41 @@ def decode(type_name: str, payload: bytes) -> Any:
         return _typestore().deserialize_cdr(payload, type_name)
     except DECODE_ERRORS as err:
         raise MessageError(f"{len(payload)} bytes are not a {type_name}: {err}") from err
+
+
+def definition_text(type_name: str) -> str:
+    """Return the definition of a message type with those of all types that it contains, as `ros2msg` in MCAP files.
+
+    Raises:
+        MessageError: The type is unknown.
+    """
+    prepare(type_name)
+    return _typestore().generate_msgdef(type_name, ros_version=2)[0]
+
+
+def begins_with_header(type_name: str) -> bool:
+    """Return whether the first field of a message type is a header.
+
+    Raises:
+        MessageError: The type is unknown.
+    """
+    prepare(type_name)
+    _, fields = _typestore().fielddefs[type_name]
+    return bool(fields) and fields[0][1] == (Nodetype.NAME, Header.__msgtype__)
+
+
+def learn(type_name: str, text: str) -> None:
+    """Add the definition of a message type that is unknown here, as `ros2msg`; known types stay as they are.
+
+    Raises:
+        MessageError: The text is no such definition.
+    """
+    try:
+        found = get_types_from_msg(text, type_name)
+        store = _typestore()
+        store.register({name: fields for name, fields in found.items() if name not in store.fielddefs})
+    except (SerdeError, TypesysError, SyntaxError, ValueError, KeyError) as err:
+        raise MessageError(f"the definition of {type_name} cannot be read: {err}") from err
 
 
 def header(stamp_ns: int, frame_id: str) -> Header:

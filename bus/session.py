@@ -308,14 +308,22 @@ class ZenohBus(Bus):
             for held in [held for held in self._declared if isinstance(held, LatestListening)]:
                 held.close()
 
+    def deliver(self, sample: Sample) -> None:
+        """Publish bytes as they are."""
+        self._put_bytes(sample.key, sample.payload, sample.encoding, sample.attachment, zenoh.CongestionControl.DROP)
+
     def _put(self, key: str, message: object, attachment: bytes, congestion: zenoh.CongestionControl) -> None:
         encoder = MessageEncoder.of(message)
-        payload = encoder.encode(message)
+        self._put_bytes(key, encoder.encode(message), encoder.encoding, attachment, congestion)
+
+    def _put_bytes(
+        self, key: str, payload: bytes, encoding: str, attachment: bytes, congestion: zenoh.CongestionControl
+    ) -> None:
         plain_key(key)
         self._require("put", key)
         with self._usable():
             self._session.put(
-                key, payload, encoding=encoder.encoding, congestion_control=congestion, attachment=attachment or None
+                key, payload, encoding=encoding, congestion_control=congestion, attachment=attachment or None
             )
 
     def _listen(

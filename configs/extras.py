@@ -30,6 +30,7 @@ EXTRAS = {
     "plots": _Extra(("matplotlib",), "pictures of drives and missions"),
     "vision": _Extra(("cv2",), "camera devices and the pixels of pictures"),
     "security": _Extra(("cryptography",), "a secure bus"),
+    "recorder": _Extra(("mcap",), "recordings"),
     "console": _Extra(("nicegui",), "pages in a browser"),
 }
 

@@ -30,6 +30,7 @@ class TeamRobot:
     fit: its accessories, as `--fit` writes them; of a real robot, what is bolted onto it.
     laser, arm, camera: where those of a real robot are plugged in.
     camera_calibration: of its camera, as `acromovi camera calibrate` writes it.
+    gateway: settings of its gateway, a table or the name of a file beside the team's.
     link: of an emulated one, where it differs from the team's.
     navigation: whether its indoor navigation is started with the team, as `acromovi navigate up` does.
     at_m, heading_deg: where it begins in an emulated world; left to the world without them.
@@ -43,6 +44,7 @@ class TeamRobot:
     arm: str | None = None
     camera: str | None = None
     camera_calibration: CameraCalibration | None = None
+    gateway: str | Mapping[str, Any] | None = None
     link: str | None = None
     navigation: bool = False
     at_m: tuple[float, float] | None = None

@@ -5,7 +5,6 @@ by itself when the program that started it is gone, however that ended.
 """
 
 import json
-import socket
 import subprocess
 import sys
 import tempfile
@@ -15,6 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import IO, Any
 
+from p2os_emu.control_client import ControlRefused, ask_emulator
 from p2os_emu.private_folder import sweep
 
 ENDING_TIMEOUT_S = 5.0
@@ -50,17 +50,11 @@ class EmulatedRobots:
         """
         __tracebackhide__ = True  # pytest shows the test's line, and not this one
         try:
-            with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as control, control.makefile("rw") as stream:
-                control.settimeout(ENDING_TIMEOUT_S)
-                control.connect(self.control)
-                stream.write(json.dumps({"do": do, **arguments}) + "\n")
-                stream.flush()
-                answer = json.loads(stream.readline())
+            return ask_emulator(self.control, {"do": do, **arguments})
+        except ControlRefused as error:
+            raise ChildFailed(f"the emulator refused '{do}': {error}") from error
         except (OSError, ValueError) as error:
             raise ChildFailed(f"the emulator does not answer '{do}' any more: {error}") from error
-        if not answer.get("ok"):
-            raise ChildFailed(f"the emulator refused '{do}': {answer.get('error')}")
-        return dict(answer)
 
 
 @contextmanager

@@ -17,12 +17,34 @@ OPTICAL_FLOW = "tests/apps/optical_flow/test_on_a_team.py"
 CALIBRATION = "tests/acromovi/test_camera.py, on drawn chessboards"
 CONSOLE = "tests/apps/console, on any free port"
 FETCH = "tests/apps/fetch/test_on_a_team.py"
+WORLD = "tests/acromovi/test_world.py, with an emulator that no other test finds"
+RECORDING = "tests/acromovi/test_recording_page.py"
 ELSEWHERE = {
     "p2os-emu --robot powerbot --world hall:7": "tests/p2os_emu/world/floors",
     "acromovi try gripper": "tests/acromovi/test_scenes.py",
     "acromovi up acromovi": "tests/acromovi/team/test_team_of_seven.py",
     "acromovi up acromovi --apps .": "the fixture of tests/test_pages_on_a_team.py",
     "acromovi up dwarfs.toml --bus secure:keys": "tests/acromovi/team/test_identities.py",
+    "acromovi up two-real-five-emulated --check": "tests/acromovi/team/test_gateway_settings.py",
+    "acromovi up two-real-five-emulated --only happy --units units": "tests/acromovi/team/test_gateway_settings.py",
+    "acromovi world truth": WORLD,
+    "acromovi world pose powerbot 8 6 1.57": WORLD,
+    "acromovi world fault line-cut@0+3": WORLD,
+    "acromovi world fault line-cut:robot=happy,cable=laser": "tests/acromovi/team/test_team_of_seven.py",
+    "acromovi world clear": "tests/acromovi/team/test_team_of_seven.py",
+    "acromovi world pause": WORLD,
+    "acromovi world step 120": WORLD,
+    "acromovi world resume": WORLD,
+    "acromovi record happy --output drive.mcap --seconds 10": RECORDING,
+    "acromovi replay drive.mcap --speed 10 --rename happy=recorded": RECORDING,
+    "acromovi plot drive.mcap": RECORDING,
+    "acromovi agent start broker@acromovi agents.services.broker:BrokerAgent --in services": (
+        "tests/agents/services/test_broker.py"
+    ),
+    "acromovi agent clone follow@happy twin@happy --in attic": "tests/acromovi/test_agent_commands.py",
+    "acromovi send request sonar@happy --action read": "tests/acromovi/test_send.py",
+    "acromovi send inform follow@happy --content '{\"speed\": 0.3}'": "tests/acromovi/test_send.py",
+    "python examples/protocols.py": "tests/test_protocols.py",
     "acromovi up house.toml": "tests/acromovi/navigation",
     "acromovi navigate go happy -2 2.4 --wait": "tests/acromovi/navigation",
     "acromovi navigate picture happy way.svg": "tests/acromovi/navigation",
@@ -76,9 +98,9 @@ ELSEWHERE = {
     "python -m benchmarks --peer 127.0.0.1:8101 --peer-pid 4711": "tests/benchmarks/test_compare.py",
 }
 """Commands that no test of the pages runs, and why: another test does, or nothing but people can."""
-PYTHON_ELSEWHERE = {"bus": 1, "components": 1, "emulator": 2, "testing": 2, "vision": 1}
+PYTHON_ELSEWHERE = {"bus": 1, "components": 1, "emulator": 2, "recording": 1, "testing": 2, "vision": 1}
 """Programs on pages that other tests run: tests/test_readme.py, tests/agents/components/test_results_together.py,
-tests/vision/test_operations.py, tests/test_pages_on_the_emulator.py."""
+tests/vision/test_operations.py, tests/test_pages_on_the_emulator.py, tests/acromovi/test_recording_page.py."""
 
 
 def page(name: str) -> str:

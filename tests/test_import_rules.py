@@ -20,7 +20,8 @@ BELOW: dict[str, set[str]] = {
     "p2os_emu": {"p2os", "geometry", "configs"},
     "gateway": {"p2os", "bus", "cameras", "geometry", "configs"},
     "agents": {"bus", "cameras", "vision", "maps", "geometry", "configs"},
-    "apps": {"agents", "bus", "vision", "maps", "geometry", "configs"},
+    "recorder": {"bus", "configs"},
+    "apps": {"recorder", "agents", "bus", "vision", "maps", "geometry", "configs"},
     "acromovi": {
         "p2os",
         "geometry",
@@ -32,6 +33,7 @@ BELOW: dict[str, set[str]] = {
         "p2os_emu",
         "gateway",
         "agents",
+        "recorder",
         "apps",
     },
     "pty_tests": set(),  # it must not share a mistake with what it judges

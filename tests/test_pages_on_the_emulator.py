@@ -88,7 +88,7 @@ def test_a_recording_is_made_decoded_replayed_and_compared(folder: Path, capsys:
 
 def test_the_control_socket_answers_as_shown() -> None:
     (asked,), (answered,) = (
-        re.findall(pattern, page("emulator"), re.MULTILINE) for pattern in (r"^\$ echo '(.*)' \|", r'^(\{"ok".*\})$')
+        re.findall(pattern, page("emulator"), re.MULTILINE) for pattern in (r"^> (\{.*\})$", r'^(\{"ok".*\})$')
     )
     with emulator("--robot", "powerbot", "--quiet") as robots, socket.socket(socket.AF_UNIX) as control:
         control.connect(robots.control)

@@ -22,6 +22,7 @@ PACKAGES = {
     "maps",
     "p2os",
     "p2os_emu",
+    "recorder",
     "vision",
 }
 

@@ -23,6 +23,7 @@ PACKAGES = (
     "p2os_emu",
     "gateway",
     "agents",
+    "recorder",
     "apps",
     "acromovi",
 )

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
 import configs
+from acromovi.team.gateway_settings import settings_table, settings_text
 from acromovi.team.identities import TeamOptions
 from bus.keys import robot_name
 from configs import ConfigError
@@ -21,8 +22,8 @@ if TYPE_CHECKING:
     from apps.indoor_navigation.wiring import Wiring
 
 SERVICES = "services"  # the container of the team's own agents
+SHARED_SETTINGS = "emulated.toml"  # of the gateways of emulated robots without settings of their own
 EMULATED = "emulated = true\n"
-"""Settings of the gateways of emulated robots."""
 
 
 class ProcessKind(IntEnum):
@@ -98,7 +99,8 @@ class TeamPlan:
         for wanted in only:
             if wanted not in names:
                 raise ConfigError(f"{path}: there is no robot {wanted!r} in this team; {_nearest(wanted, names)}")
-        chosen = tuple(robot for robot in file.robots if robot.name in (only or names))
+        robots = [replace(robot, gateway=settings_table(robot, path)) for robot in file.robots]
+        chosen = tuple(robot for robot in robots if robot.name in (only or names))
         return cls(path.stem, str(path), replace(file, robots=chosen))
 
     @property
@@ -129,16 +131,16 @@ class TeamProcesses:
 
     def write_settings(self) -> None:
         """Write the settings of the gateways, before they start."""
-        self._settings().write_text(EMULATED, encoding="utf-8")
+        if self._team.emulated:
+            (self._folder / SHARED_SETTINGS).write_text(EMULATED, encoding="utf-8")
         for robot in self._team.robots:
-            if robot.camera_calibration is not None:
-                own = f"[camera]\ncalibration = {robot.camera_calibration.toml}\n"
-                text = EMULATED + own if robot.is_emulated else own
+            if text := settings_text(robot):
                 self._settings(robot).write_text(text, encoding="utf-8")
 
-    def _settings(self, robot: TeamRobot | None = None) -> Path:
-        """The file where a gateway reads its settings; that of all emulated robots, or a calibrated robot's own."""
-        return self._folder / ("emulated.toml" if robot is None else f"{robot.name}.toml")
+    def _settings(self, robot: TeamRobot) -> Path:
+        """The file where a gateway reads its settings; that of all emulated robots, or a robot's own."""
+        has_own = robot.gateway is not None or robot.camera_calibration is not None
+        return self._folder / (f"{robot.name}.toml" if has_own or not robot.is_emulated else SHARED_SETTINGS)
 
     def emulator(self) -> PlannedProcess:
         """The process that emulates the team's emulated robots. Ports and control socket are in the folder."""
@@ -185,10 +187,8 @@ class TeamProcesses:
             words += [f"--{part}", place] if place else []
         if configs.load(LinkProfile, "links", robot.link or self._team.file.link).modem is not None:
             words.append("--radio")
-        if robot.camera_calibration is not None:
+        if settings_text(robot):
             words += ["--config", str(self._settings(robot))]
-        elif robot.is_emulated:
-            words += ["--config", str(self._settings())]
         return words
 
     def container(self, robot: str) -> PlannedProcess:

@@ -31,14 +31,24 @@ from agents.platform.acl import AclMessage, Performative
 from agents.platform.behaviours import Action, Behaviour, Ticker
 from agents.platform.container.context import AgentEnd, ContainerContext
 from agents.platform.container.delivery_gate import DeliveryGate
-from agents.platform.conversations.fipa_contract_net import BIDS_WITHIN, Choose, Tender, call_for
+from agents.platform.conversations.fipa_brokering import BROKER, RECRUIT, RECRUITING, Wanted, recruited
+from agents.platform.conversations.fipa_contract_net import (
+    BIDS_WITHIN,
+    ITERATED,
+    MOST_ROUNDS,
+    Choose,
+    Revise,
+    Tender,
+    call_for,
+)
+from agents.platform.conversations.fipa_propose import offered
 from agents.platform.conversations.fipa_request import Request
 from agents.platform.conversations.fipa_subscribe import FOREVER, KEEP, Values
 from agents.platform.conversations.handler import Handler
 from agents.platform.conversations.initiator import Initiator
 from agents.platform.conversations.initiator_conversation import InitiatorConversation
-from agents.platform.conversations.outcome import Outcome
-from agents.platform.conversations.protocols import CALLS, QUERIES, REQUESTS, SUBSCRIPTIONS
+from agents.platform.conversations.outcome import Ending, Outcome
+from agents.platform.conversations.protocols import CALLS, PROPOSALS, PROXIES, QUERIES, REQUESTS, SUBSCRIPTIONS
 from agents.platform.conversations.request_dispatcher import RequestDispatcher
 from agents.platform.conversations.responder_conversation import ResponderConversation
 from agents.platform.errors import AgentError
@@ -208,6 +218,14 @@ class Agent:
         """Let a function make proposals for a request, as `proposes` does for a method."""
         self._dispatcher.add(CALLS, Handler(name, function))
 
+    def answer_proposals(self, name: str, function: Callable[..., Any]) -> None:
+        """Let a function decide about proposals of a name, as `considers` does for a method."""
+        self._dispatcher.add(PROPOSALS, Handler(name, function))
+
+    def answer_proxies(self, name: str, function: Callable[..., Any]) -> None:
+        """Let a function find other agents for an initiator, as a broker does."""
+        self._dispatcher.add(PROXIES, Handler(name, function))
+
     async def receive(self, template: Template = ANY) -> AclMessage:
         """Return the oldest message in the mailbox that matches the template; waits for one."""
         return await self.mailbox.receive(template)
@@ -265,6 +283,94 @@ class Agent:
         """Ask another agent whether something is so; the result is true or false, otherwise as `request`."""
         return await self._ask(Performative.QUERY_IF, agent, name, reply_within, arguments).outcome()
 
+    async def request_when(
+        self,
+        agent: AgentName | str,
+        name: str,
+        when: str,
+        condition: Mapping[str, Any] | None = None,
+        /,
+        *,
+        reply_within: float = PATIENCE,
+        **arguments: Any,
+    ) -> Outcome:
+        """Have another agent do something once a condition holds; otherwise as `request`.
+
+        Args:
+            agent: The agent that does it.
+            name: What to do.
+            when: The condition: a query of that agent, as for `query_if`.
+            condition: Arguments of the condition, JSON values by name.
+            reply_within: s to wait, the time until the condition holds included.
+            arguments: JSON values by name.
+        """
+        given = {"query": when, "arguments": dict(condition or {})}
+        return await self._ask(Performative.REQUEST_WHEN, agent, name, reply_within, arguments, when=given).outcome()
+
+    async def propose(
+        self, agent: AgentName | str, name: str, /, *, reply_within: float = PATIENCE, **arguments: Any
+    ) -> Outcome:
+        """Propose to another agent to do something oneself, and wait for its decision.
+
+        Returns:
+            `DONE` if it accepts; `REJECTED`, with the reason, if not.
+        Raises:
+            AclError, BusUnavailable: As for `request`.
+        """
+        return await offered(self._ask(Performative.PROPOSE, agent, name, reply_within, arguments))
+
+    async def broker(
+        self,
+        broker: AgentName | str,
+        wanted: Wanted,
+        name: str,
+        /,
+        *,
+        reply_within: float = PATIENCE,
+        **arguments: Any,
+    ) -> Outcome:
+        """Have a broker find agents and ask them for something.
+
+        Args:
+            broker: An agent that is one, for example of `agents.services.broker`.
+            wanted: Which agents.
+            name: What they shall do.
+            reply_within: s to wait.
+            arguments: JSON values by name.
+        Returns:
+            If done, its result is `{"results": {agent: result}, "failures": {agent: reason}}`.
+        """
+        given = {"request": name, "arguments": arguments, "within": reply_within, **wanted.arguments()}
+        return await self._ask(Performative.PROXY, broker, BROKER, reply_within, given).outcome()
+
+    async def recruit(
+        self,
+        broker: AgentName | str,
+        wanted: Wanted,
+        name: str,
+        /,
+        *,
+        reply_within: float = PATIENCE,
+        **arguments: Any,
+    ) -> dict[AgentName, Outcome]:
+        """Have a broker find agents, and ask them for something oneself, all at the same time.
+
+        Returns:
+            The outcome of each; none if the broker knows nobody that fits.
+        Raises:
+            RequestNotDone: The broker does not answer.
+        """
+        given = {"request": name, **wanted.arguments()}
+        asked = self._ask(Performative.PROXY, broker, RECRUIT, reply_within, given, protocol=RECRUITING)
+        outcome = await asked.outcome()
+        if outcome.ending not in (Ending.DONE, Ending.REFUSED, Ending.FAILED):
+            outcome.value()
+        peers = recruited(outcome)
+        outcomes = await asyncio.gather(
+            *(self.request(each, name, reply_within=reply_within, **arguments) for each in peers)
+        )
+        return dict(zip(peers, outcomes, strict=True))
+
     async def call_for_proposals(
         self,
         agents: Iterable[AgentName | str],
@@ -272,18 +378,23 @@ class Agent:
         /,
         *,
         choose: Choose,
+        revise: Revise | None = None,
         bids_within: float = BIDS_WITHIN,
         reply_within: float = PATIENCE,
         **arguments: Any,
     ) -> Tender:
         """Call for proposals to do something, and have it done by the agents that are chosen.
 
+        With `revise` it is an iterated contract net: those who have made a proposal are called again with the arguments
+        that it returns, until it returns None.
+
         Args:
             agents: Those that are called.
             name: What to do.
             choose: Gets the bids in the order of arrival, and returns which to accept: one, several or None. Not called
                 when there are none.
-            bids_within: s to wait for bids; later ones are rejected.
+            revise: Gets the bids of each round, and returns the arguments of another one, or None.
+            bids_within: s to wait for bids in each round; later ones are rejected.
             reply_within: s to wait for the end, from the choice on.
             arguments: JSON values by name.
         Raises:
@@ -291,11 +402,20 @@ class Agent:
             AclError, BusUnavailable: As for `request`.
         """
         peers = dict.fromkeys(AgentName.parse(agent) if isinstance(agent, str) else agent for agent in agents)
-        within = bids_within + reply_within
+        within = bids_within * (1 if revise is None else MOST_ROUNDS) + reply_within
         calls = [
-            self.initiator.conversation(Performative.CFP, peer, name, arguments, within, bids_within) for peer in peers
+            self.initiator.conversation(
+                Performative.CFP,
+                peer,
+                name,
+                arguments,
+                within,
+                bids_within,
+                protocol=CALLS if revise is None else ITERATED,
+            )
+            for peer in peers
         ]
-        return await call_for(calls, choose, bids_within)
+        return await call_for(calls, choose, bids_within, revise or (lambda bids: None))
 
     def subscribe(self, agent: AgentName | str, name: str, /, *, keep: int = KEEP, **arguments: Any) -> Values:
         """Subscribe to values of another agent: a block with a loop in it that yields them.
@@ -337,9 +457,15 @@ class Agent:
         self.home.end(self.name)
 
     def _ask(
-        self, performative: Performative, agent: AgentName | str, name: str, within: float, arguments: Mapping[str, Any]
+        self,
+        performative: Performative,
+        agent: AgentName | str,
+        name: str,
+        within: float,
+        arguments: Mapping[str, Any],
+        **more: Any,
     ) -> InitiatorConversation:
-        return self.initiator.conversation(performative, agent, name, arguments, within, within)
+        return self.initiator.conversation(performative, agent, name, arguments, within, within, **more)
 
     @property
     def _result_stream(self) -> Publisher:
@@ -350,13 +476,20 @@ class Agent:
 
     # What follows is for the container.
 
-    async def begin(self, home: ContainerContext) -> None:
-        """Start in a container: subscribe, set up, start what the decorators declare, enter the directory."""
+    async def begin(self, home: ContainerContext, state: Mapping[str, Any] | None = None) -> None:
+        """Start in a container: subscribe, set up, start what the decorators declare, enter the directory.
+
+        Args:
+            home: The container.
+            state: What another agent of its kind has packed, of which this one is the clone.
+        """
         self._move_in(home)
         self._listen_to_others()
         await self.setup()
         if self.state is AgentState.DELETED:
             return
+        if state is not None:
+            self.unpack(state)
         for method, hook in hooks_of(self):
             hook.begin(self, method)
         self._life.go(Step.INVOKE)

@@ -80,6 +80,16 @@ def proposes(name: str) -> Callable[[Method], Method]:
     return hooked(lambda agent, method: agent.answer_calls(name, method))
 
 
+def considers(name: str) -> Callable[[Method], Method]:
+    """Let this method decide whether another agent may do what it proposes under a name.
+
+    It takes the arguments of the proposal, and returns true to accept it or false to reject it; `bus.Refused` rejects
+    it with a reason.
+    """
+    _check_name("considers", name)
+    return hooked(lambda agent, method: agent.answer_proposals(name, method))
+
+
 def _check_name(decorator: str, name: object) -> None:
     """Check that a decorator has its name, which is easily forgotten."""
     if not isinstance(name, str):

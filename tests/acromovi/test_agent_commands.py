@@ -159,3 +159,12 @@ def test_the_help_of_an_action_has_an_example_and_exit_codes(action: str, capsys
     shown = capsys.readouterr().out
     assert f"acromovi agent {action}" in shown.partition("example")[2]
     assert "Exit codes: " in shown
+
+
+def test_an_agent_is_cloned_with_its_state(apps: str, robot: str, acromovi: Callable[..., Any]) -> None:
+    name, twin = f"counter@{robot}", f"twin@{robot}"
+    with container(robot, "--apps", apps):
+        acromovi("agent", "start", name, "counter_for_tests:Counter", "first=4", "--in", robot)
+        assert acromovi("agent", "clone", name, twin) == {"name": twin, "state": "active", "container": robot}
+        assert acromovi("ask", twin, "next") == 5
+        assert acromovi("ask", name, "next") == 5

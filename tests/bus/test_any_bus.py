@@ -51,6 +51,18 @@ def test_messages_arrive_in_the_order_of_their_puts(
     assert heard == list(range(100))
 
 
+def test_bytes_of_others_are_passed_on_unchanged(meeting: Any, here: Bus, there: Bus, robot: str, until: Until) -> None:
+    heard: list[Sample] = []
+    there.subscribe(f"{robot}/strange", heard.append)
+    meeting.settle()
+    foreign = Sample(f"{robot}/strange", b"\x00\xff??", "application/protobuf", b"token")
+    here.deliver(foreign)
+    until(lambda: heard)
+    assert heard == [foreign]
+    with pytest.raises(KeyNotValid):
+        here.deliver(Sample(f"{robot}/*", b""))
+
+
 def test_a_participant_hears_itself(here: Bus, robot: str, until: Until) -> None:
     heard: list[Sample] = []
     here.subscribe(f"{robot}/cmd_vel", heard.append)

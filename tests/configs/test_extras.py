@@ -90,6 +90,8 @@ def test_an_extra_is_missing_when_one_of_its_modules_is(monkeypatch: pytest.Monk
         ("pybullet", "acromovi", "try gripper", "acromovi try: a scene needs the extra emu"),
         ("pybullet", "acromovi", "missions --smoke", "acromovi: the emulator needs the extra emu"),
         ("matplotlib", "acromovi", "missions --all", "acromovi missions: a picture of missions needs the extra plots"),
+        ("mcap", "acromovi", "record", "acromovi record: recording needs the extra recorder"),
+        ("mcap", "acromovi", "replay drive.mcap", "acromovi replay: replaying needs the extra recorder"),
         ("cryptography", "acromovi", "keys list", "acromovi keys: making keys needs the extra security"),
     ],
 )

@@ -5,11 +5,12 @@ A query on `<platform>/containers/<name>/control` carries `{"do": ...}` and what
 | do | with | answer |
 |---|---|---|
 | `list` | | the container, its process, and its agents: name, kind, state |
-| `start` | `name`, `kind`, `properties` | name and state of the agent, once it is active |
+| `start` | `name`, `kind`, `properties`, `state` | name and state of the agent, once it is active |
 | `stop`, `suspend`, `resume` | `name` | name and state of the agent |
 | `introspect` | `name` | what the agent holds and does (introspection.py) |
 | `interface` | `name` | what the agent can be asked for, with types and defaults (introspection.py) |
 | `move` | `name`, `to` | name, state and container of the agent, once it lives in the other |
+| `clone` | `name`, `as`, `to` | name, state and container of the copy, once it is active |
 
 `list`, which is the default there, `introspect` and `interface` are answered on
 `<platform>/containers/<name>/description` too, for programs that may read but not control. Containers send each other
@@ -25,6 +26,7 @@ import os
 import socket
 import uuid
 from collections.abc import Awaitable, Callable, Mapping
+from functools import partial
 from typing import Any
 
 from agents.platform.container.controlled import ControlledContainer
@@ -72,6 +74,7 @@ class Control:
             "introspect": self._introspect,
             "interface": self._interface,
             "move": self._move,
+            "clone": self._clone,
             "adopt": self._adopt,
             "settle": self._settle,
             "deliver": self._deliver,
@@ -166,7 +169,8 @@ class Control:
     async def _start(self, given: Given) -> dict[str, Any]:
         agent = self._container.kinds.make(_text_of(given, "kind"), _name_in(given), _table_of(given, "properties"))
         await check_free(self._container.bus, agent.name)
-        await self._container.bring_up(agent, agent.begin)
+        state = _table_of(given, "state") if "state" in given else None
+        await self._container.bring_up(agent, partial(agent.begin, state=state))
         return {"name": str(agent.name), "state": str(agent.state)}
 
     async def _stop(self, given: Given) -> dict[str, Any]:
@@ -203,6 +207,12 @@ class Control:
         agent = self._container.agent(_name_in(given))
         there, state = await self._departures.send(agent, _text_of(given, "to"))
         return {"name": str(agent.name), "state": str(state), "container": there.name}
+
+    async def _clone(self, given: Given) -> dict[str, Any]:
+        agent, name = self._container.agent(_name_in(given)), AgentName.parse(_text_of(given, "as"))
+        to = _text_of(given, "to") if "to" in given else self._container.name
+        there, state = await self._departures.clone(agent, name, to)
+        return {"name": str(name), "state": str(state), "container": there.name}
 
     async def _adopt(self, given: Given) -> dict[str, Any]:
         agent = self._container.kinds.make(_text_of(given, "kind"), _name_in(given), _table_of(given, "properties"))

@@ -2,7 +2,7 @@
 
 import inspect
 from collections.abc import Awaitable, Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from inspect import Parameter
 from math import isfinite
 from typing import Any, get_type_hints
@@ -112,8 +112,11 @@ class ParsedRequest:
     """A valid request: its handler and arguments.
 
     task: the handler of the task, where `handler` only makes a proposal for it.
+    condition, condition_arguments: the query that must be true before it is done, and its arguments.
     """
 
     handler: Handler
     arguments: Mapping[str, Any]
     task: Handler | None = None
+    condition: Handler | None = None
+    condition_arguments: Mapping[str, Any] = field(default_factory=dict)

@@ -13,7 +13,7 @@ from agents.platform.errors import AclError, AgentError
 from agents.platform.names import AgentName
 
 LANGUAGE = "json"
-MOVING = (Performative.REQUEST, Performative.CFP)
+MOVING = (Performative.REQUEST, Performative.REQUEST_WHEN, Performative.CFP, Performative.PROXY)
 """Performatives that may start a motion: the initiator's heartbeat is published until the conversation ends."""
 
 
@@ -54,6 +54,9 @@ class Initiator:
         arguments: Mapping[str, Any],
         within: float,
         answer_within: float | None,
+        *,
+        protocol: str = "",
+        when: Mapping[str, Any] | None = None,
     ) -> InitiatorConversation:
         """Prepare a conversation; nothing is sent yet.
 
@@ -64,6 +67,8 @@ class Initiator:
             arguments: JSON values by name.
             within: s until its end.
             answer_within: s until an answer is of no use any more; None for ever.
+            protocol: That of the conversation, where the performative begins several.
+            when: The condition of a request-when.
         """
         peer = AgentName.parse(agent) if isinstance(agent, str) else agent
         home, me, label = self._home_there, self._me(), uuid.uuid4().hex
@@ -71,10 +76,10 @@ class Initiator:
             performative=performative,
             sender=me,
             receivers=(peer,),
-            content={"action": action, "arguments": dict(arguments)},
+            content={"action": action, "arguments": dict(arguments)} | ({} if when is None else {"when": dict(when)}),
             language=LANGUAGE,
             ontology=ONTOLOGY,
-            protocol=PROTOCOLS[performative].name,
+            protocol=protocol or PROTOCOLS[performative].name,
             conversation_id=label,
             reply_with=label,
             reply_by=None if answer_within is None else home.wall_time() + answer_within,

@@ -123,7 +123,7 @@ class InitiatorConversation:
             self._is_cancelled = True
             self.say(Performative.CANCEL)
 
-    def say(self, performative: Performative, content: Any = None) -> None:
+    def say(self, performative: Performative, content: Any = None, reply_with: str = "") -> None:
         """Send one more message; it is lost if the peer, or the bus, has gone."""
         more = AclMessage(
             performative=performative,
@@ -134,6 +134,7 @@ class InitiatorConversation:
             ontology=ONTOLOGY,
             protocol=self.opening.protocol,
             conversation_id=self.opening.conversation_id,
+            reply_with=reply_with,
         )
         self._home.trace(more)
         with contextlib.suppress(BusError):  # a peer that cannot be reached has a time limit of its own

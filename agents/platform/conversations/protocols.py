@@ -5,7 +5,14 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from agents.platform.acl import ONTOLOGY, AclMessage, Performative
-from agents.platform.conversations import fipa_contract_net, fipa_request, fipa_subscribe
+from agents.platform.conversations import (
+    fipa_brokering,
+    fipa_contract_net,
+    fipa_propose,
+    fipa_request,
+    fipa_request_when,
+    fipa_subscribe,
+)
 from agents.platform.conversations.handler import Handler, NotUnderstood, ParsedRequest
 from agents.platform.conversations.responder_conversation import ResponderConversation
 from configs.suggestion import hint
@@ -14,6 +21,8 @@ REQUESTS = fipa_request.PROTOCOL
 SUBSCRIPTIONS = fipa_subscribe.PROTOCOL
 QUERIES = fipa_request.QUERY_PROTOCOL
 CALLS = fipa_contract_net.PROTOCOL
+PROPOSALS = fipa_propose.PROTOCOL
+PROXIES = fipa_brokering.PROTOCOL
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,12 +32,16 @@ class Protocol:
     noun: what the initiator asks for, for messages.
     carry_out: does it; its result is the content of the last inform.
     agrees_itself: whether `carry_out` agrees itself.
+    handled_as: the protocol whose handlers answer it; its own if empty.
+    also: other protocols that begin with the same performative and are answered alike.
     """
 
     name: str
     noun: str
     carry_out: Callable[[ResponderConversation, ParsedRequest], Awaitable[Any]]
     agrees_itself: bool = False
+    handled_as: str = ""
+    also: tuple[str, ...] = ()
 
     def read(self, message: AclMessage, handlers: Mapping[str, Mapping[str, Handler]]) -> ParsedRequest:
         """Return what the first message of a conversation requests.
@@ -39,7 +52,10 @@ class Protocol:
         Raises:
             NotUnderstood: None of the handlers can answer it.
         """
-        opening = self._opening(message, handlers.get(self.name, {}))
+        opening = self._opening(message, handlers.get(self.handled_as or self.name, {}))
+        if self.name == fipa_request_when.PROTOCOL:
+            condition, arguments = _condition(message, handlers.get(QUERIES, {}))
+            return replace(opening, condition=condition, condition_arguments=arguments)
         if self.name != CALLS:
             return opening
         task = handlers.get(REQUESTS, {}).get(opening.handler.name)
@@ -50,7 +66,7 @@ class Protocol:
         return replace(opening, task=task)
 
     def _opening(self, message: AclMessage, handlers: Mapping[str, Handler]) -> ParsedRequest:
-        if message.protocol not in ("", self.name):
+        if message.protocol not in ("", self.name, *self.also):
             raise NotUnderstood(
                 f"{message.performative} does not begin {message.protocol!r} here; it begins {self.name}"
             )
@@ -59,7 +75,7 @@ class Protocol:
         match message.content:
             case {"action": str(action), "arguments": dict(arguments)}:
                 pass
-            case {"action": str(action), **rest} if not rest:
+            case {"action": str(action), **rest} if not rest.keys() - {"when"}:
                 arguments = {}
             case _:
                 raise NotUnderstood(
@@ -70,6 +86,26 @@ class Protocol:
             raise NotUnderstood(f"there is no {self.noun} {action!r} here{hint(action, handlers)}; known: {known}")
         handlers[action].check(arguments)
         return ParsedRequest(handlers[action], arguments)
+
+
+def _condition(message: AclMessage, queries: Mapping[str, Handler]) -> tuple[Handler, Mapping[str, Any]]:
+    """Return the query that is the condition of a request-when, and its arguments.
+
+    Raises:
+        NotUnderstood: There is no such query, or it does not take the arguments.
+    """
+    match message.content:
+        case {"when": {"query": str(name), "arguments": dict(arguments)}}:
+            pass
+        case {"when": {"query": str(name), **rest}} if not rest:
+            arguments = {}
+        case _:
+            raise NotUnderstood('a request-when has "when": {"query": name, "arguments": {...}} in its content')
+    if name not in queries:
+        known = ", ".join(sorted(queries)) or "none"
+        raise NotUnderstood(f"there is no query {name!r} here{hint(name, queries)}; known: {known}")
+    queries[name].check(arguments)
+    return queries[name], arguments
 
 
 def _do(conversation: ResponderConversation, opening: ParsedRequest) -> Awaitable[Any]:
@@ -94,5 +130,12 @@ PROTOCOLS = {
     Performative.SUBSCRIBE: Protocol(SUBSCRIPTIONS, "subscription", fipa_subscribe.inform),
     Performative.QUERY_REF: Protocol(QUERIES, "query", _do),
     Performative.QUERY_IF: Protocol(QUERIES, "query", _answer_whether),
-    Performative.CFP: Protocol(CALLS, "proposal", fipa_contract_net.propose, agrees_itself=True),
+    Performative.CFP: Protocol(
+        CALLS, "proposal", fipa_contract_net.propose, agrees_itself=True, also=(fipa_contract_net.ITERATED,)
+    ),
+    Performative.PROPOSE: Protocol(PROPOSALS, "decision about", fipa_propose.consider, agrees_itself=True),
+    Performative.REQUEST_WHEN: Protocol(
+        fipa_request_when.PROTOCOL, "request", fipa_request_when.do_when, agrees_itself=True, handled_as=REQUESTS
+    ),
+    Performative.PROXY: Protocol(PROXIES, "way to broker", _do, also=(fipa_brokering.RECRUITING,)),
 }

@@ -30,7 +30,7 @@ from bus.validation import sentence
 MOST_REQUESTS = 100  # of one initiator, so that a flood of one does not exclude the others
 MOST_AT_ALL = 400
 AT_WORK = (AgentState.ACTIVE, AgentState.WAITING)
-FURTHER = (Performative.CANCEL, Performative.ACCEPT_PROPOSAL, Performative.REJECT_PROPOSAL)
+FURTHER = (Performative.CANCEL, Performative.ACCEPT_PROPOSAL, Performative.REJECT_PROPOSAL, Performative.CFP)
 
 
 class RequestDispatcher:

@@ -19,16 +19,18 @@ from bus.validation import sentence
 class ResponderConversation:
     """One conversation that an agent answers, in the agent's event loop.
 
-    accepted: set when the initiator has accepted a proposal.
+    accepted: set when the initiator has accepted a proposal. revised: further calls for proposals in the conversation.
     """
 
     def __init__(self, home: ContainerContext, me: AgentName, message: AclMessage, conversation: Conversation) -> None:
         self.message = message
         self.accepted = asyncio.Event()
+        self.revised: asyncio.Queue[AclMessage] = asyncio.Queue()
         self._me = me
         self._conversation = conversation
         self._home = home
         self._has_agreed = False
+        self._is_concluded = False
         self._task: asyncio.Task[Any] | None = None
         self._why_cancelled: str | None = None  # empty when the initiator is not to be told
         self._is_ending = False
@@ -63,6 +65,11 @@ class ResponderConversation:
         """Be committed without sending agree: an error from now on is a failure, not a refusal."""
         self._has_agreed = True
 
+    def conclude(self, performative: Performative, content: Any = None) -> None:
+        """Send the last reply, in a protocol that ends neither with inform nor with a failure."""
+        self._is_concluded = True
+        self.say(performative, content)
+
     def say(self, performative: Performative, content: Any = None) -> None:
         """Send a reply to the initiator.
 
@@ -81,6 +88,8 @@ class ResponderConversation:
             self.cancel(f"{more.sender} has cancelled it")
         elif more.performative is Performative.REJECT_PROPOSAL:
             self.cancel("")
+        elif more.performative is Performative.CFP:
+            self.revised.put_nowait(more)
         else:
             self.accepted.set()
 
@@ -143,8 +152,9 @@ class ResponderConversation:
             if not agrees_itself:
                 agreeing = asyncio.get_running_loop().call_soon(self.agree)  # when the handler first waits
             result = await carry_out()
-            self.agree()
-            self.say(Performative.INFORM, result)
+            if not self._is_concluded:
+                self.agree()
+                self.say(Performative.INFORM, result)
         except asyncio.CancelledError:
             if self._why_cancelled is None or self._is_ending:
                 self._say_no(f"{self._me} has ended")

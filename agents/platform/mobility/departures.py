@@ -85,6 +85,33 @@ class Departures:
         await self._linger(agent, there)
         return there, AgentState.SUSPENDED if migration.is_suspended else AgentState.ACTIVE
 
+    async def clone(self, agent: Agent, name: AgentName, to: str) -> tuple[ContainerName, AgentState]:
+        """Start a copy of an agent under another name, with what it keeps; messages stay with the original.
+
+        Args:
+            agent: An agent of this container that is active, waiting or suspended.
+            name: That of the copy.
+            to: The name of a container, which may be this one.
+        Returns:
+            The container and the state of the copy.
+        Raises:
+            AgentError: There is no copy; the message says why.
+            IllegalTransition: The agent is in another state.
+        """
+        there = self._container.called if to == self._container.name else await self._find(to)
+        try:
+            state = await agent.migration.copy(DRAIN_TIME, agent.pack)
+        except AgentError:
+            raise
+        except Exception as err:
+            raise AgentError(f"{agent.name} cannot pack: {in_words(err)}") from err
+        order: Order = {"do": "start", "name": str(name), "kind": agent.kind, "properties": agent.properties}
+        try:
+            answer = await self._tell(there, {**order, "state": state}, ADOPT_TIME)
+        except (BusError, TimeoutError) as err:
+            raise AgentError(f"{agent.name} has no clone {name}: {_why(err, there)}") from err
+        return there, AgentState(answer["state"])
+
     async def _find(self, to: str) -> ContainerName:
         if to == self._container.name:
             raise AgentError(f"it lives in {to} already")

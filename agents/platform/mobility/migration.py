@@ -40,7 +40,25 @@ class Migration:
         self._dispatcher = dispatcher
         self._schedule = schedule
 
-    async def depart(self, within: float, pack: Callable[[], dict[str, Any]]) -> MigrationState:
+    async def copy(self, within: float, pack: Callable[[], dict[str, Any]]) -> dict[str, Any]:
+        """Return what the agent keeps, for a clone; the agent goes on where it is.
+
+        Subscribers are told to subscribe again, since an agent packs when no conversation is under way.
+
+        Args:
+            within: s for the conversations under way to end; new requests wait meanwhile.
+            pack: Returns what the agent keeps.
+        Raises:
+            AgentError: They have not ended.
+            IllegalTransition: The agent is not at work.
+        """
+        migration = await self.depart(within, pack, "is cloned")
+        self.come_back(migration)
+        return dict(migration.state)
+
+    async def depart(
+        self, within: float, pack: Callable[[], dict[str, Any]], why: str = "moves into another container"
+    ) -> MigrationState:
         """Begin to move: finish the conversations under way, and pack.
 
         Subscribers are told to subscribe again; new requests wait.
@@ -48,6 +66,7 @@ class Migration:
         Args:
             within: s for the conversations to end.
             pack: Returns what the agent keeps.
+            why: What the agent does, for its subscribers.
         Raises:
             AgentError: They have not ended; the agent goes on as before.
             IllegalTransition: The agent is not at work.
@@ -61,7 +80,7 @@ class Migration:
         try:
             for responder in self._dispatcher.under_way:
                 if responder.message.performative is Performative.SUBSCRIBE:
-                    responder.cancel(f"{self._me} moves into another container; subscribe again")
+                    responder.cancel(f"{self._me} {why}; subscribe again")
             await self._dispatcher.rest(within)
             self._check_leaving(within)
             self.gate.keep_letters()

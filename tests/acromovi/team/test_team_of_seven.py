@@ -3,7 +3,6 @@
 What each robot has to have is written here by hand, from the sentence that describes the team, and not from the code.
 """
 
-import json
 import os
 import re
 import signal
@@ -14,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 import configs
+from acromovi.__main__ import main
 from acromovi.children import EmulatedRobots
 from acromovi.team.host_control import HostControl
 from agents import Team
@@ -43,7 +43,7 @@ SERVICES = {"monitor", "subscription", "arbiter", "loader"}
 SONARS = {"max": 28, "happy": 16} | dict.fromkeys(("doc", "sneezy", "grumpy", "bashful", "sleepy"), 8)
 RADIO = {"grumpy", "bashful", "sleepy"}
 PAGE = (ROOT / "docs" / "teams.md").read_text(encoding="utf-8")
-UNPLUG, PLUG_IN = map(json.loads, re.findall(r"^echo '(.*)' \| nc -UN", PAGE, re.MULTILINE))
+UNPLUG, PLUG_IN = (line.split() for line in re.findall(r"^acromovi (world .*)$", PAGE, re.MULTILINE))
 ASKED = re.findall(r"^acromovi (ask .*)", PAGE, re.MULTILINE)
 SQUARE = ("python", str(ROOT / "examples" / "square.py"))
 IN_TIME = 3.0  # s from Ctrl-C until nothing is left
@@ -127,10 +127,10 @@ def assert_sensors_are_as_many_as_fitted(team: RunningTeam) -> None:
 
 def assert_laser_goes_and_comes_with_its_agent(team: RunningTeam, tokens: set[str]) -> None:
     laser = AgentName("laser", "happy").alive_key
-    team.emulator().ask(**UNPLUG)
+    assert main([*UNPLUG, "--control", team.announced["control"]]) == 0
     wait_until(lambda: laser not in tokens, "the agent of the laser has gone")
     assert "laser@happy" not in team.agents()
-    team.emulator().ask(**PLUG_IN)
+    assert main([*PLUG_IN, "--control", team.announced["control"]]) == 0
     wait_until(lambda: laser in tokens, "the agent of the laser is back")
 
 

@@ -2,6 +2,7 @@
 
 import asyncio
 import json
+import re
 from collections.abc import Coroutine, Iterator
 from pathlib import Path
 from typing import Any
@@ -544,3 +545,70 @@ def test_what_no_agent_takes_along_is_refused(world: World) -> None:
         with pytest.raises(Refused):
             world.run(world.order(world.there, **order))
     assert world.there.agents == []
+
+
+# Clones.
+
+
+@pytest.mark.parametrize("to", ["here", "there"])
+def test_a_clone_begins_with_the_state_of_the_original_and_both_go_on(world: World, to: str) -> None:
+    world.begin(first=7)
+    world.ask("next")
+    world.tell("stays with the original")
+    answer = world.run(world.order(world.here, "clone", name=str(WANDERER), **{"as": "twin@team", "to": to}))
+    assert answer == {"name": "twin@team", "state": "active", "container": to}
+    assert world.ask("next").value() == [9, "here"]
+    assert world.ask("read").value() == ["stays with the original"]
+    twin = AgentName("twin", "team")
+    assert world.run(world.console.request(twin, "next")).value() == [9, to]
+    assert world.run(world.console.request(twin, "read")).value() == []
+    container = world.here if to == "here" else world.there
+    assert container.agent(twin).properties == {"first": 7}
+
+
+def test_an_agent_is_cloned_after_its_conversations_and_tells_its_subscribers(world: World) -> None:
+    agent = world.begin()
+
+    async def talk() -> tuple[Outcome, dict[str, Any]]:
+        async with world.console.subscribe(WANDERER, "ticks") as values:
+            await anext(values)
+            asked = world.console.begin_request(WANDERER, "next", seconds=2.0)
+            await asyncio.sleep(0.1)
+            answer = await world.order(world.here, "clone", name=str(WANDERER), **{"as": "twin@team"})
+            with pytest.raises(RequestNotDone, match="is cloned; subscribe again"):
+                await asyncio.gather(*(anext(values) for _ in range(10)))
+        return await asked, answer
+
+    outcome, answer = world.run(talk())
+    assert outcome.value() == [1, "here"]
+    assert answer["container"] == "here"
+    assert agent.state is AgentState.ACTIVE
+
+
+@pytest.mark.parametrize(
+    ("properties", "given", "says"),
+    [
+        ({}, {"as": str(WANDERER)}, "wanderer@team"),
+        ({}, {"as": "twin"}, "twin"),
+        ({}, {}, "this order to a container needs 'as', a text"),
+        ({}, {"as": "twin@team", "to": "nowhere"}, "there is no container 'nowhere'"),
+        ({"cannot pack": True}, {"as": "twin@team"}, "wanderer@team cannot pack: RuntimeError: too much"),
+        ({"packs nonsense": True}, {"as": "twin@team"}, "wanderer@team"),
+        ({"stays in": "here"}, {"as": "twin@team", "to": "there"}, "only there"),
+    ],
+)
+def test_a_clone_that_fails_leaves_the_original_at_work(
+    world: World, properties: dict[str, Any], given: dict[str, Any], says: str
+) -> None:
+    agent = world.begin(**properties)
+    with pytest.raises(Refused, match=re.escape(says)):
+        world.run(world.order(world.here, "clone", name=str(WANDERER), **given))
+    assert (agent.state, world.lives()) == (AgentState.ACTIVE, (["active"], []))
+    assert world.ask("next").is_done
+
+
+def test_the_clone_of_a_suspended_agent_is_active_and_the_original_stays_suspended(world: World) -> None:
+    agent = world.begin(first=3)
+    world.here.suspend(WANDERER)
+    answer = world.run(world.order(world.here, "clone", name=str(WANDERER), **{"as": "twin@team"}))
+    assert (answer["state"], agent.state) == ("active", AgentState.SUSPENDED)

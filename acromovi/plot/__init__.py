@@ -1,0 +1,1 @@
+"""`acromovi plot`: pictures of a recording. See `command`."""

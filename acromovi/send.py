@@ -1,0 +1,207 @@
+"""`acromovi send`: send any ACL message, and print the replies, as JADE's dummy agent does."""
+
+import argparse
+import asyncio
+import json
+import sys
+import uuid
+from collections.abc import Mapping, Sequence
+from contextlib import nullcontext
+from typing import TYPE_CHECKING, Any
+
+from acromovi.options import add_bus, argument, seconds
+from acromovi.subcommand import Subcommand
+
+if TYPE_CHECKING:
+    from agents.platform import Agent, AgentName
+    from agents.platform.acl import AclMessage
+
+PATIENCE = 10.0  # s
+EPILOG = """\
+examples:
+  acromovi send request base@happy --action move distance=0.5
+  acromovi send query-ref laser@happy --action nearest
+  acromovi send inform follow@happy --content '{"speed": 0.3}'
+  acromovi send cfp base@happy base@doc --action go_to x=1 y=0 --reply-by 3
+  acromovi send inform follow@happy --content '"hello"' --protocol my-talk --conversation talk-1 --wait 5
+
+--action makes the content that the agents of Acromovi read: {"action": NAME, "arguments": {...}}. A
+performative that begins a conversation (request, request-when, query-if, query-ref, subscribe, cfp, propose, proxy) is
+followed by the replies until its end; any other message goes to the mailboxes of its receivers, and replies are printed
+for --wait seconds. Each reply is one line: sender, performative and content; with --json the message as JSON.
+
+Exit codes: 0 sent, and each conversation ended with inform or a proposal, 1 refused, failed, not understood, no reply
+in time, or no such agent (the reason is on stderr), 2 wrong usage, 130 stopped by Ctrl-C.
+"""
+
+
+def _add_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("performative", metavar="PERFORMATIVE", help="type of the message, such as request or inform")
+    parser.add_argument("receivers", metavar="RECEIVER", nargs="+", help="agents, such as base@happy")
+    parser.add_argument(
+        "--action",
+        metavar=("NAME", "KEY=VALUE"),
+        nargs="+",
+        help="set the content to an action with its arguments; a value is JSON, or text where it is not JSON",
+    )
+    parser.add_argument("--content", type=_json, metavar="JSON", help="set the content")
+    parser.add_argument("--protocol", default="", metavar="NAME", help="set the protocol [that of the performative]")
+    parser.add_argument("--conversation", default="", metavar="ID", help="set the id of the conversation [a new one]")
+    parser.add_argument("--ontology", default="", metavar="NAME", help="set the ontology")
+    parser.add_argument("--language", default="", metavar="NAME", help="set the language")
+    parser.add_argument("--reply-with", default="", metavar="LABEL", help="set the label of the reply")
+    parser.add_argument("--in-reply-to", default="", metavar="LABEL", help="set the label that this replies to")
+    parser.add_argument("--reply-by", type=seconds, metavar="S", help="set the time of replies, from now on [none]")
+    parser.add_argument("--wait", type=seconds, metavar="S", help="wait for replies [10 s; 0 if it needs none]")
+    parser.add_argument("--json", action="store_true", help="print each reply as one line of JSON")
+    add_bus(parser)
+
+
+def _json(text: str) -> Any:
+    """A JSON value."""
+    try:
+        return json.loads(text)
+    except ValueError as err:
+        raise argparse.ArgumentTypeError(f"{text!r} is not JSON ({err}); a text is written '\"hello\"'") from err
+
+
+def _run(arguments: argparse.Namespace) -> int:
+    """Send one message and print the replies.
+
+    All modules are loaded before the conversation begins: a pause of its heartbeat would stop a motion.
+    """
+    import agents.sniffer.captured  # noqa: F401  # for `_show`
+    from acromovi.known_agents import KnownAgents
+    from agents.platform.acl import Performative
+    from agents.platform.names import AgentName
+    from bus.session import ZenohBus
+    from configs.suggestion import hint
+
+    names = [str(each) for each in Performative]
+    if arguments.performative not in names:
+        wrong = f"there is no performative {arguments.performative!r}{hint(arguments.performative, names)}"
+        print(f"acromovi send: {wrong}; choose one of {', '.join(names)}", file=sys.stderr)
+        return 2
+    receivers = [AgentName.parse(each) for each in arguments.receivers]
+    content = arguments.content
+    if arguments.action is not None:
+        if content is not None:
+            print("acromovi send: give --action or --content, not both", file=sys.stderr)
+            return 2
+        name, *given = arguments.action
+        try:
+            content = {"action": name, "arguments": dict(map(argument, given))}
+        except argparse.ArgumentTypeError as err:
+            print(f"acromovi send: --action {name}: {err}", file=sys.stderr)
+            return 2
+    with ZenohBus.open(arguments.bus) as bus:
+        with KnownAgents(bus) as known:
+            for each in receivers:
+                known.expect(each)
+        return asyncio.run(_send(bus, arguments, receivers, content))
+
+
+async def _send(bus: Any, arguments: argparse.Namespace, receivers: Sequence["AgentName"], content: Any) -> int:
+    from acromovi.ask import asker
+    from agents.platform.acl import Performative
+    from agents.platform.conversations.protocols import PROTOCOLS
+
+    performative = Performative(arguments.performative)
+    begins = performative in PROTOCOLS
+    wait = PATIENCE if begins and arguments.wait is None else arguments.wait or 0.0
+    async with asker(bus, receivers[0]) as agent:
+        message = _message(agent, performative, receivers, content, arguments)
+        if begins:
+            talks = [_converse(agent, _to_one(message, each), wait, arguments.json) for each in receivers]
+            return 0 if all(await asyncio.gather(*talks)) else 1
+        agent.send(message)
+        return await _print_mailbox(agent, wait, arguments.json)
+
+
+def _message(
+    agent: "Agent",
+    performative: Any,
+    receivers: Sequence["AgentName"],
+    content: Any,
+    arguments: argparse.Namespace,
+) -> "AclMessage":
+    """Return the message that the command line describes."""
+    from agents.platform.acl import AclMessage
+    from agents.platform.conversations.initiator import MOVING
+    from agents.platform.conversations.protocols import PROTOCOLS
+
+    protocol = PROTOCOLS[performative].name if performative in PROTOCOLS else ""
+    label = uuid.uuid4().hex
+    return AclMessage(
+        performative=performative,
+        sender=agent.name,
+        receivers=tuple(receivers),
+        content=content,
+        language=arguments.language,
+        ontology=arguments.ontology,
+        protocol=arguments.protocol or protocol,
+        conversation_id=arguments.conversation or label,
+        reply_with=arguments.reply_with or (label if performative in PROTOCOLS else ""),
+        in_reply_to=arguments.in_reply_to,
+        reply_by=None if arguments.reply_by is None else agent.home.wall_time() + arguments.reply_by,
+        x_heartbeat=agent.name.heartbeat_key if performative in MOVING else "",
+    )
+
+
+def _to_one(message: "AclMessage", receiver: "AgentName") -> "AclMessage":
+    from dataclasses import replace
+
+    return replace(message, receivers=(receiver,))
+
+
+async def _converse(agent: "Agent", message: "AclMessage", wait: float, as_json: bool) -> bool:
+    """Begin a conversation and print the replies; return whether the last one is a success."""
+    from agents.platform.acl import Performative
+    from agents.platform.errors import in_words
+    from bus.aio import ReplyQueue
+    from bus.errors import BusError
+
+    last = ""
+    beating = agent.home.beating(agent.name) if message.x_heartbeat else nullcontext()
+    agent.home.trace(message)
+    key = message.receivers[0].acl_key
+    replies = ReplyQueue(wait)
+    try:
+        with beating, agent.bus.ask(key, message.to_dict(), replies.put, replies.put, wait, urgent=True):
+            async for answer in replies:
+                last = str(answer.value.get("performative", ""))
+                _show(answer.value, as_json)
+    except (BusError, TimeoutError) as err:
+        if last != Performative.PROPOSE:  # a proposal that nobody accepts is the end here
+            print(f"acromovi send: {message.receivers[0]}: {in_words(err) or 'no reply in time'}", file=sys.stderr)
+            return False
+    return last in (Performative.INFORM, Performative.PROPOSE, Performative.ACCEPT_PROPOSAL)
+
+
+async def _print_mailbox(agent: "Agent", wait: float, as_json: bool) -> int:
+    """Print what comes for a while; return the exit code."""
+    count = 0
+    try:
+        async with asyncio.timeout(wait):
+            while wait:
+                _show((await agent.receive()).to_dict(), as_json)
+                count += 1
+    except TimeoutError:
+        pass  # the usual end
+    if wait and not count:
+        print(f"acromovi send: no reply within {wait:g} s", file=sys.stderr)
+        return 1
+    return 0
+
+
+def _show(message: Mapping[str, Any], as_json: bool) -> None:
+    from agents.sniffer.captured import brief, shortened
+
+    if as_json:
+        print(json.dumps(message, ensure_ascii=False), flush=True)
+        return
+    sender, performative = (shortened(str(message.get(name, "?")), 80) for name in ("sender", "performative"))
+    print(f"{sender}  {performative}  {brief(message.get('content'), 1000)}".rstrip(), flush=True)
+
+
+COMMAND = Subcommand(EPILOG, _add_arguments, _run)
