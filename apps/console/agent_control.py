@@ -1,4 +1,4 @@
-"""What a page does to agents: suspend, resume, stop and move them; and why it may not."""
+"""What a page does to agents: suspend, resume, stop, move and clone them; and why it may not."""
 
 from agents.platform import AgentError, AgentName, ContainerName
 from agents.platform.containers import order
@@ -20,20 +20,21 @@ def why_not_ask(console: Console, agent: AgentName) -> str:
 
 
 async def control(console: Console, visit: Visit, agent: WatchedAgent, do: str, **given: str) -> str:
-    """Have an agent suspended, resumed, stopped or moved by its container.
+    """Have an agent suspended, resumed, stopped, moved or cloned by its container.
 
     Args:
         console: The program.
         visit: The page that wants it, which is told the outcome.
         agent: The agent.
-        do: `suspend`, `resume`, `stop`, or `move`.
-        given: For `move`, `to`: the name of the other container.
+        do: `suspend`, `resume`, `stop`, `move`, or `clone`.
+        given: For `move`, `to`: the name of the other container; for `clone`, `as`: the name of the copy.
     Returns:
         The outcome in words.
     """
     try:
         answer = await order(console.agent.bus, agent.container, do, name=str(agent.name), **given)
-        words = f"{agent.name} is {answer.get('state')} in {answer.get('container', agent.container.name)}"
+        where = answer.get("container", agent.container.name)
+        words = f"{answer.get('name', agent.name)} is {answer.get('state')} in {where}"
     except TimeoutError:
         words = f"{agent.name}: the container {agent.container} does not answer"
     except (AgentError, BusError) as err:

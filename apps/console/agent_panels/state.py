@@ -28,8 +28,9 @@ class StatePanel:
             self._suspend = ui.button("Suspend", on_click=lambda: self._do("suspend"))
             self._resume = ui.button("Resume", on_click=lambda: self._do("resume"))
             self._move = ui.button("Move …", on_click=self._ask_where)
+            self._clone = ui.button("Clone …", on_click=self._ask_name)
             self._stop = ui.button("Stop …", on_click=self._ask_stop).props("color=negative")
-            for button in (self._suspend, self._resume, self._move, self._stop):
+            for button in (self._suspend, self._resume, self._move, self._clone, self._stop):
                 button.props("outline dense no-caps")
             ui.button("Its messages", on_click=show_messages).props("flat dense no-caps")
         self._why_not = ui.label().classes("c-quiet")
@@ -47,7 +48,7 @@ class StatePanel:
         self._why_not.set_visibility(bool(why_not))
         self._suspend.set_visibility(agent.state != SUSPENDED)
         self._resume.set_visibility(agent.state == SUSPENDED)
-        for button in (self._suspend, self._resume, self._move, self._stop):
+        for button in (self._suspend, self._resume, self._move, self._clone, self._stop):
             button.set_enabled(not why_not)
 
     async def _do(self, do: str, **given: str) -> None:
@@ -87,4 +88,19 @@ class StatePanel:
                 ui.button("Keep it here", on_click=lambda: dialog.submit("")).props("no-caps flat")
         if to := await dialog:
             await self._do("move", to=str(to))
+        dialog.delete()
+
+    async def _ask_name(self) -> None:
+        agent = self._agent
+        if agent is None:
+            return
+        with ui.dialog() as dialog, ui.card().classes("c-dialog"):
+            ui.label(f"Clone {agent.name}").classes("rv-heading")
+            name = ui.input("Name of the copy", value=f"{agent.name.local}-2@{agent.name.platform}").props("dense")
+            ui.label(f"It is started in {agent.container.name} with the state of the agent.").classes("c-quiet")
+            with ui.row().classes("rv-row"):
+                ui.button("Clone it", on_click=lambda: dialog.submit(name.value)).props("no-caps")
+                ui.button("Do not clone it", on_click=lambda: dialog.submit("")).props("no-caps flat")
+        if copy := await dialog:
+            await self._do("clone", **{"as": str(copy)})
         dialog.delete()
