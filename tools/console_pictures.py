@@ -16,7 +16,7 @@ from shutil import which
 from PIL import Image
 from playwright.sync_api import Browser, Page, sync_playwright
 
-from tools.page_picture import FOLDER, shrink, started
+from tools.page_picture import FOLDER, started
 
 SIZE, PHONE = {"width": 1280, "height": 800}, {"width": 390, "height": 800}  # px
 TALL = {"width": 1280, "height": 1080}  # px
@@ -75,7 +75,6 @@ def _take(browser: Browser, url: str, path: str, theme: str, file: Path, act: Ac
         page.mouse.move(5, size["height"] - 100)
         page.wait_for_timeout(1200)  # ms, until everything is drawn
         page.screenshot(path=file)
-    shrink(file)
     print(file)
 
 
@@ -131,6 +130,16 @@ def _ask(page: Page) -> None:
     page.evaluate("window.scrollTo(0, 0)")
 
 
+def _start(page: Page) -> None:
+    """Let sneezy wander, and show the output."""
+    page.get_by_label("Application").first.click()
+    page.get_by_role("option", name="wander", exact=True).click()
+    page.get_by_label("robot", exact=True).fill("sneezy")
+    page.get_by_role("button", name="Start", exact=True).click()
+    page.get_by_role("button", name="wander robot=sneezy").click()
+    page.wait_for_timeout(8000)  # ms, until it drives
+
+
 def _side_by_side(files: list[Path], to: Path) -> None:
     """Join pictures of phones."""
     pictures = [Image.open(file).convert("RGB") for file in files]
@@ -141,7 +150,6 @@ def _side_by_side(files: list[Path], to: Path) -> None:
         page.paste(picture, (at, 0))
         at += picture.width + GAP
     page.save(to)
-    shrink(to)
     print(to)
 
 
@@ -168,8 +176,8 @@ def main(arguments: list[str]) -> None:
             _take(browser, url, "/agents", "light", folder / "console-agents.png", _ask, TALL)
             _take(browser, url, "/faults", "light", folder / "console-faults.png", _inject)
             _take(browser, url, "/timeline", "dark", folder / "console-timeline.png", _look)
-            _take(browser, url, "/applications", "light", folder / "console-applications.png", _look)
-            phones = [("/?robot=happy", "light", _look), ("/robot/doc", "dark", _drive), ("/timeline", "light", _look)]
+            _take(browser, url, "/applications", "light", folder / "console-applications.png", _start)
+            phones = [("/?robot=happy", "light", _look), ("/robot/doc", "dark", _drive), ("/faults", "light", _inject)]
             files = [Path(scratch) / f"{number}.png" for number in range(len(phones))]
             for (path, theme, act), file in zip(phones, files, strict=True):
                 _take(browser, url, path, theme, file, act, PHONE)

@@ -55,13 +55,6 @@ def started(*words: str, answer: str) -> Iterator[str]:
             process.terminate()
 
 
-def shrink(file: Path) -> None:
-    """Write a PNG anew with few colours."""
-    with Image.open(file) as image:
-        small = image.convert("RGB").quantize(COLOURS, dither=Image.Dither.NONE)
-    small.save(file, optimize=True)
-
-
 def _show(page: Page) -> None:
     """Bring the page into the state that the picture shows."""
     page.get_by_role("button", name="Take control").click()
@@ -110,7 +103,9 @@ def main(arguments: list[str]) -> None:
             _show(page)
             page.screenshot(path=folder / NAME)
             browser.close()
-    shrink(folder / NAME)
+    with Image.open(folder / NAME) as image:
+        small = image.convert("RGB").quantize(COLOURS, dither=Image.Dither.NONE)
+    small.save(folder / NAME, optimize=True)
     print(folder / NAME)
 
 

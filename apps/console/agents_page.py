@@ -8,6 +8,7 @@ from apps.console.agent_panels.composer import ComposerPanel
 from apps.console.agent_panels.conversations import ConversationsPanel
 from apps.console.agent_panels.inside import InsidePanel
 from apps.console.agent_panels.leases import LeasesPanel
+from apps.console.agent_panels.pulse import BrowserPulse
 from apps.console.agent_panels.requests import RequestPanel
 from apps.console.agent_panels.state import StatePanel
 from apps.console.agent_tree import tree_of
@@ -71,19 +72,20 @@ class _AgentsPage:
     def _add_agent(self, visit: Visit) -> None:
         self._title = ui.label("Choose an agent in the list.").classes("a-title")
         with ui.element("div").classes("c-stack") as self._about:
+            pulse = BrowserPulse(visit, self._console.settings.drive.release_s)
             self._state = StatePanel(self._console, visit, lambda: self._conversations.diagram.filter(self._chosen))
             with ui.tabs().props("dense no-caps align=left inline-label") as self._tabs:
                 for each in _TABS:
                     ui.tab(each)
             with ui.tab_panels(self._tabs, value=_TABS[0], keep_alive=True).classes("a-panels").props("animated=false"):
                 with ui.tab_panel("Ask"):
-                    self._requests = RequestPanel(self._console, visit)
+                    self._requests = RequestPanel(self._console, visit, pulse)
                 with ui.tab_panel("Inside"):
                     self._inside = InsidePanel(self._console)
                 with ui.tab_panel("Properties"):
                     self._properties = DataTable(("Name", "Value"), "it has no properties")
                 with ui.tab_panel("Message"):
-                    self._composer = ComposerPanel(self._console, visit)
+                    self._composer = ComposerPanel(self._console, visit, pulse)
         self._about.set_visibility(False)
 
     @property

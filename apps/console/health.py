@@ -23,7 +23,7 @@ def standing(robot: WatchedRobot) -> tuple[str, str]:
     if not state.motors:
         return "warning", "motors off"
     if warnings(robot):
-        return "warning", "look at it"
+        return "warning", "warning"
     return "ok", "driving" if _moves(robot) else "ready"
 
 

@@ -1,24 +1,22 @@
 """Serves the console: bus, agent, websockets and pages in one event loop."""
 
 import socket
-import uuid
 from collections.abc import Callable
 from functools import partial
 
 from fastapi import FastAPI, WebSocket
 from nicegui import ui
 
-from agents.platform import Agent, AgentName, Container
 from apps.console.agent_panels.conversations import SNIFFER_PATH
 from apps.console.pages import PAGES, ROBOT_PAGE
 from apps.console.program import Console, ConsoleInputs
 from apps.console.settings import ConsoleSettings
 from apps.console.shell import STOP_PATH, begin_page
 from apps.web.access import PasswordGate, Sessions
+from apps.web.agent import page_agent
 from apps.web.server import page_server, serve_pages
-from bus import Bus, NotAllowed
+from bus import Bus
 
-PLATFORM = "apps"
 _LOOK = 5.0  # s between two looks at sessions whose time is over
 
 
@@ -42,24 +40,18 @@ async def serve(
         host: As given by the user.
         on_ready: Called once the pages can be opened.
     """
-    name = f"console-{uuid.uuid4().hex[:6]}"
-    async with Container(bus, name) as container:
-        agent = Agent(AgentName(name, bus.own_name or PLATFORM))
-        may_command = True
-        try:
-            await container.start(agent)
-        except NotAllowed:  # a certificate for looking only
-            may_command = False
-            await agent.look_on(container)
-        async with Console(agent, settings, inputs, may_command=may_command) as console:
-            app = _application(console)
-            if sessions is None:
-                server = page_server(app, "Acromovi", host)
-            else:
-                sessions.on_end = console.end_session
-                server = page_server(app, "Acromovi", host, lambda inner: PasswordGate(inner, sessions))
-                agent.every(_LOOK, sessions.end_old)
-            await serve_pages(server, listener, on_ready)
+    async with (
+        page_agent(bus, "console") as (agent, may_command),
+        Console(agent, settings, inputs, may_command=may_command) as console,
+    ):
+        app = _application(console)
+        if sessions is None:
+            server = page_server(app, "Acromovi", host)
+        else:
+            sessions.on_end = console.end_session
+            server = page_server(app, "Acromovi", host, lambda inner: PasswordGate(inner, sessions))
+            agent.every(_LOOK, sessions.end_old)
+        await serve_pages(server, listener, on_ready)
 
 
 def _application(console: Console) -> FastAPI:

@@ -1,19 +1,16 @@
 """Serves the page: bus, agent, image transport and NiceGUI in one event loop."""
 
 import socket
-import uuid
 from collections.abc import Callable
 
 from fastapi import FastAPI, WebSocket
 
-from agents.platform import Agent, AgentName, Container
 from apps.remote_vision.page import build_page
 from apps.remote_vision.program import RemoteVision
 from apps.remote_vision.settings import RemoteVisionSettings
+from apps.web.agent import page_agent
 from apps.web.server import page_server, serve_pages
-from bus import Bus, NotAllowed
-
-PLATFORM = "apps"
+from bus import Bus
 
 
 async def serve(
@@ -36,20 +33,13 @@ async def serve(
     Raises:
         NotThere: There is no robot of this name with a camera.
     """
-    name = f"remote-vision-{uuid.uuid4().hex[:6]}"
-    async with Container(bus, name) as container:
-        agent = Agent(AgentName(name, bus.own_name or PLATFORM))
-        try:
-            await container.start(agent)
-        except NotAllowed:  # a certificate for looking only: the page shows images, and cannot move a head
-            await agent.look_on(container)
-        async with RemoteVision(agent, settings) as program:
-            await program.team.expect(robot)
-            app = FastAPI(openapi_url=None)
+    async with page_agent(bus, "remote-vision") as (agent, _), RemoteVision(agent, settings) as program:
+        await program.team.expect(robot)
+        app = FastAPI(openapi_url=None)
 
-            @app.websocket("/images/{ticket}/{place}")
-            async def images(websocket: WebSocket, ticket: str, place: str) -> None:
-                await program.transport.serve(websocket, ticket, place)
+        @app.websocket("/images/{ticket}/{place}")
+        async def images(websocket: WebSocket, ticket: str, place: str) -> None:
+            await program.transport.serve(websocket, ticket, place)
 
-            build_page(program, robot)
-            await serve_pages(page_server(app, "Remote vision", host), listener, on_ready)
+        build_page(program, robot)
+        await serve_pages(page_server(app, "Remote vision", host), listener, on_ready)

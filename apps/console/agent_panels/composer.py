@@ -15,6 +15,7 @@ from agents.platform.conversations.any_message import MessageDraft, converse
 from agents.platform.errors import in_words
 from agents.sniffer.captured import brief, shortened
 from apps.console.agent_control import why_not_ask
+from apps.console.agent_panels.pulse import BrowserPulse
 from apps.console.composing import PERFORMATIVES, DraftNotValid, draft_of
 from apps.console.data_view import DataTable
 from apps.console.program import Console
@@ -38,9 +39,9 @@ _TITLES = {
 class ComposerPanel:
     """Fields of a message, a button to send it, and the replies."""
 
-    def __init__(self, console: Console, visit: Visit) -> None:
-        """Add it to the page."""
-        self._console, self._visit = console, visit
+    def __init__(self, console: Console, visit: Visit, pulse: BrowserPulse) -> None:
+        """Add it to the page. pulse: of its browser."""
+        self._console, self._visit, self._pulse = console, visit, pulse
         self._replies: deque[tuple[str, str, str, str]] = deque(maxlen=_MOST)
         self._sending: asyncio.Task[None] | None = None
         self._inputs: dict[str, Any] = {}
@@ -88,9 +89,7 @@ class ComposerPanel:
         self._replies.clear()
         self._table.set_visibility(True)
         self._table.show([])
-        self._sending = asyncio.ensure_future(self._exchange(draft))
-        self._visit.motions.add(self._sending)
-        self._sending.add_done_callback(self._visit.motions.discard)
+        self._sending = self._pulse.begin(self._exchange(draft))
 
     def _end(self) -> None:
         if self._sending is not None:

@@ -10,6 +10,7 @@ from agents.platform import AgentError, AgentName, Performative
 from agents.platform.containers import read
 from agents.platform.errors import in_words
 from apps.console.agent_control import why_not_ask
+from apps.console.agent_panels.pulse import BrowserPulse
 from apps.console.agent_watch import WatchedAgent
 from apps.console.data_view import DataView
 from apps.console.program import Console
@@ -24,9 +25,9 @@ _WITHIN = 30.0  # s for a request, at first
 class RequestPanel:
     """A form that is made from the interface of the agent, and the reply."""
 
-    def __init__(self, console: Console, visit: Visit) -> None:
-        """Add it to the page."""
-        self._console, self._visit = console, visit
+    def __init__(self, console: Console, visit: Visit, pulse: BrowserPulse) -> None:
+        """Add it to the page. pulse: of its browser."""
+        self._console, self._visit, self._pulse = console, visit, pulse
         self._name: AgentName | None = None
         self._entries: dict[str, tuple[str, Mapping[str, Any]]] = {}
         self._fields: list[FormField] = []
@@ -105,9 +106,7 @@ class RequestPanel:
             return
         follow = self._follow if kind == "subscriptions" else self._request
         self._view.hide()
-        self._running = asyncio.ensure_future(follow(self._name, kind, str(entry["name"]), given))
-        self._visit.motions.add(self._running)
-        self._running.add_done_callback(self._visit.motions.discard)
+        self._running = self._pulse.begin(follow(self._name, kind, str(entry["name"]), given))
         self.refresh()
 
     def _end(self) -> None:

@@ -1,5 +1,8 @@
 """The page Agents in Chromium, on an emulated team."""
 
+import signal
+import subprocess
+import time
 from collections.abc import Iterator
 
 import pytest
@@ -7,7 +10,8 @@ from playwright.sync_api import Browser
 
 from tests.acromovi.team.running import RunningTeam, running
 from tests.apps.console.browsing import ConsoleTab, console
-from tests.apps.remote_vision.browser import chromium, needs_chromium
+from tests.apps.remote_vision.browser import children, chromium, frozen, needs_chromium
+from tests.waiting import exit_code, wait_until
 
 pytestmark = needs_chromium
 TEAM = """\
@@ -18,6 +22,9 @@ name = "happy"
 model = "p3dx-sh"
 at_m = [2.0, 6.1]
 """
+STANDS = 0.01  # rad/s
+AN_HOUR = "3600"  # s
+PAUSE = 0.1  # s between two looks at a robot
 DESK = {"width": 1360, "height": 900}  # px
 
 
@@ -36,12 +43,35 @@ def browser() -> Iterator[Browser]:
 
 
 @pytest.fixture(scope="module")
-def tab(browser: Browser, team: RunningTeam) -> Iterator[ConsoleTab]:
-    with console(team.profile) as (_, address):
-        tab = ConsoleTab(browser, address, "/agents", viewport=DESK)
-        yield tab
-        tab.close()
-        assert tab.errors == []
+def served(team: RunningTeam) -> "Iterator[tuple[subprocess.Popen[str], str]]":
+    with console(team.profile) as served:
+        yield served
+
+
+@pytest.fixture(scope="module")
+def tab(browser: Browser, served: "tuple[subprocess.Popen[str], str]") -> Iterator[ConsoleTab]:
+    tab = ConsoleTab(browser, served[1], "/agents", viewport=DESK)
+    yield tab
+    tab.close()
+    assert tab.errors == []
+
+
+def speed(team: RunningTeam) -> float:
+    """How fast happy really turns, rad/s."""
+    time.sleep(PAUSE)
+    return abs(float(team.emulator().ask("truth", robot="happy")["robots"]["happy"]["angular"]))
+
+
+def turn(team: RunningTeam, tab: ConsoleTab) -> None:
+    """Ask happy to turn for longer than any test waits."""
+    tab.page.get_by_role("tab", name="Ask").click()
+    tab.page.get_by_label("Within, s").fill(AN_HOUR)
+    ask(tab, "drive", linear="0", angular="0.5", seconds=AN_HOUR)
+    tab.wait(lambda: speed(team) > 0.2, "happy turns")
+
+
+def stands(team: RunningTeam) -> None:
+    wait_until(lambda: speed(team) < STANDS, "happy stands")
 
 
 def choose(tab: ConsoleTab, agent: str) -> None:
@@ -112,3 +142,37 @@ def test_the_inside_of_an_agent_shows_its_behaviours_and_streams(tab: ConsoleTab
     choose(tab, "base@happy")
     tab.page.get_by_role("tab", name="Inside").click()
     tab.page.get_by_role("cell", name="happy/odom").wait_for()
+
+
+def test_a_motion_that_was_asked_for_ends_with_cancel_and_with_a_frozen_or_closed_browser(
+    team: RunningTeam, tab: ConsoleTab, browser: Browser, served: "tuple[subprocess.Popen[str], str]"
+) -> None:
+    choose(tab, "base@happy")
+    turn(team, tab)
+    tab.press("Cancel")
+    stands(team)
+    turn(team, tab)
+    with frozen(*children("--type=renderer")):
+        stands(team)
+    second = ConsoleTab(browser, served[1], "/agents", viewport=DESK)
+    choose(second, "base@happy")
+    turn(team, second)
+    second.close()
+    stands(team)
+
+
+def test_a_motion_that_was_asked_for_ends_with_a_frozen_or_killed_console(
+    team: RunningTeam, tab: ConsoleTab, served: "tuple[subprocess.Popen[str], str]"
+) -> None:
+    process, _ = served
+    tab.go("/agents")
+    choose(tab, "base@happy")
+    turn(team, tab)
+    with frozen(process.pid):
+        stands(team)
+    tab.go("/agents")
+    choose(tab, "base@happy")
+    turn(team, tab)
+    process.kill()
+    stands(team)
+    assert exit_code(process) == -signal.SIGKILL

@@ -160,15 +160,15 @@ def test_a_browser_that_freezes_or_is_closed_stops_the_robot(
 def test_a_fault_is_injected_and_cleared(team: RunningTeam, tab: ConsoleTab) -> None:
     tab.go("/faults")
     tab.page.get_by_label("Fault").first.click()
-    tab.page.get_by_role("option", name="battery-low", exact=True).click()
+    tab.page.get_by_role("option", name="low-battery", exact=True).click()
     tab.press("Inject")
-    tab.sees("battery-low is injected")
-    assert [row["fault"] for row in team.emulator().ask("faults")["faults"]] == ["battery-low:robot=happy"]
+    tab.sees("low-battery is injected")
+    assert [row["fault"] for row in team.emulator().ask("faults")["faults"]] == ["low-battery:robot=happy"]
     tab.press("Clear all")
     tab.sees("all faults are cleared")
     assert team.emulator().ask("faults")["faults"] == []
     tab.go("/timeline")
-    tab.sees("battery-low was injected")
+    tab.sees("low-battery was injected")
 
 
 def test_a_console_that_freezes_or_is_killed_stops_the_robot(team: RunningTeam, tab: ConsoleTab) -> None:
