@@ -7,10 +7,9 @@ from typing import Any
 
 from acromovi.known_agents import KnownAgents, NotOnBus
 from acromovi.presence import MEETING_TIME
-from agents.platform.names import ALL_CONTAINERS, AgentName, ContainerName
+from agents.platform.containers import ORDER_TIME, ContainerDirectory
+from agents.platform.names import AgentName, ContainerName
 from bus.bus import Bus
-
-ORDER_TIME = 60.0  # s; longer than a setup may take, or a move
 
 
 def find_container(bus: Bus, name: str) -> ContainerName:
@@ -19,22 +18,18 @@ def find_container(bus: Bus, name: str) -> ContainerName:
     Raises:
         NotOnBus: It has not been seen within `MEETING_TIME` s; the message gives the nearest name.
     """
-    seen: dict[str, ContainerName] = {}
     changed = Condition()
 
-    def note(key: str, is_alive: bool) -> None:
-        called = ContainerName.of_key(key)
+    def note(called: ContainerName, is_alive: bool) -> None:
         with changed:
-            if is_alive:
-                seen[called.name] = called
-            else:
-                seen.pop(called.name, None)
             changed.notify_all()
 
-    with bus.watch_alive(ALL_CONTAINERS, note), changed:
-        if not changed.wait_for(lambda: name in seen, MEETING_TIME):
-            raise NotOnBus(f"there is no container {name!r}; {_advice(name, sorted(seen))}")
-        return seen[name]
+    with ContainerDirectory(bus, note) as directory, changed:
+        found = changed.wait_for(lambda: directory.find(name), MEETING_TIME)
+        if found is None:
+            seen = [each.name for each in directory.names]
+            raise NotOnBus(f"there is no container {name!r}; {_advice(name, seen)}")
+        return found
 
 
 def home_of(bus: Bus, agent: AgentName) -> str:

@@ -5,7 +5,7 @@ import asyncio
 import json
 import sys
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, TextIO
 
 from acromovi.options import add_bus, count
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from acromovi.known_agents import KnownAgents
     from bus.bus import Bus
 
-PATIENCE = 2.0  # s for a gateway, and for the arbiter
+PATIENCE = 2.0  # s for the arbiter
 EPILOG = """\
 examples:
   acromovi leases                  who holds what, as the robots' gateways know it
@@ -49,11 +49,15 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
 def _run(arguments: argparse.Namespace) -> int:
     """Query gateways and arbiters once and print the leases."""
     from acromovi.known_agents import KnownAgents
+    from agents.services.gateway_leases import held_leases
     from bus.session import ZenohBus
 
     with ZenohBus.open(arguments.bus) as bus, KnownAgents(bus) as known:
         known.meet()
-        report = {"leases": [*asyncio.run(leases(bus)), *named(bus, known)]}
+        held, left_out = asyncio.run(held_leases(bus))
+        if left_out:
+            print(f"acromovi leases: {left_out}", file=sys.stderr)
+        report = {"leases": [*held, *named(bus, known)]}
         if arguments.audit:
             report["audit"] = _audit(bus, known, arguments.audit)
     if arguments.json:
@@ -61,34 +65,6 @@ def _run(arguments: argparse.Namespace) -> int:
     else:
         show(report, sys.stdout)
     return 0
-
-
-async def leases(bus: "Bus") -> list[dict[str, Any]]:
-    """All leases of all robots, in the order of what they are on."""
-    from bus.aio import ReplyQueue
-    from bus.errors import NoAnswer, Refused, TimedOut
-    from bus.keys import LEASE_STATE, split
-
-    key = f"*/{LEASE_STATE.suffix}"
-    found: list[dict[str, Any]] = []
-    try:
-        replies = ReplyQueue(PATIENCE)
-        with bus.ask(key, None, replies.put, replies.put, PATIENCE, urgent=True):
-            async for answer in replies:
-                found += _held(split(answer.key)[0], answer.value)
-    except (TimedOut, Refused) as err:
-        print(f"acromovi leases: somebody is left out: {err}", file=sys.stderr)
-    except NoAnswer:
-        pass  # no robot is there
-    return sorted(found, key=lambda row: str(row["element"]))
-
-
-def _held(robot: str, state: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
-    """Return a gateway's answer, a row for each lease."""
-    elements = {robot: state} | {f"{name}@{robot}": lease for name, lease in state.get("elements", {}).items()}
-    for element, lease in elements.items():
-        if lease.get("holder") is not None:
-            yield {"element": element, **{name: lease[name] for name in ("holder", "priority", "expires_in")}}
 
 
 def named(bus: "Bus", known: "KnownAgents") -> list[dict[str, Any]]:

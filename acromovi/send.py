@@ -4,9 +4,8 @@ import argparse
 import asyncio
 import json
 import sys
-import uuid
 from collections.abc import Mapping, Sequence
-from contextlib import nullcontext
+from contextlib import aclosing
 from typing import TYPE_CHECKING, Any
 
 from acromovi.options import add_bus, argument, seconds
@@ -70,7 +69,8 @@ def _run(arguments: argparse.Namespace) -> int:
 
     All modules are loaded before the conversation begins: a pause of its heartbeat would stop a motion.
     """
-    import acromovi.sniffer.captured  # noqa: F401  # for `_show`
+    import agents.platform.conversations.any_message
+    import agents.sniffer.captured  # noqa: F401  # for `_show`
     from acromovi.known_agents import KnownAgents
     from agents.platform.acl import Performative
     from agents.platform.names import AgentName
@@ -104,78 +104,44 @@ def _run(arguments: argparse.Namespace) -> int:
 async def _send(bus: Any, arguments: argparse.Namespace, receivers: Sequence["AgentName"], content: Any) -> int:
     from acromovi.ask import asker
     from agents.platform.acl import Performative
-    from agents.platform.conversations.protocols import PROTOCOLS
+    from agents.platform.conversations.any_message import MessageDraft
 
-    performative = Performative(arguments.performative)
-    begins = performative in PROTOCOLS
+    names = ("protocol", "conversation", "language", "ontology", "reply_with", "in_reply_to", "reply_by")
+    draft = MessageDraft(
+        performative=Performative(arguments.performative),
+        receivers=receivers,
+        content=content,
+        **{name: getattr(arguments, name) for name in names},
+    )
+    begins = draft.begins_conversation
     wait = PATIENCE if begins and arguments.wait is None else arguments.wait or 0.0
     async with asker(bus, receivers[0]) as agent:
-        message = _message(agent, performative, receivers, content, arguments)
+        message = draft.message(agent)
         if begins:
-            talks = [_converse(agent, _to_one(message, each), wait, arguments.json) for each in receivers]
+            talks = [_converse(agent, message, each, wait, arguments.json) for each in receivers]
             return 0 if all(await asyncio.gather(*talks)) else 1
         agent.send(message)
         return await _print_mailbox(agent, wait, arguments.json)
 
 
-def _message(
-    agent: "Agent",
-    performative: Any,
-    receivers: Sequence["AgentName"],
-    content: Any,
-    arguments: argparse.Namespace,
-) -> "AclMessage":
-    """Return the message that the command line describes."""
-    from agents.platform.acl import AclMessage
-    from agents.platform.conversations.initiator import MOVING
-    from agents.platform.conversations.protocols import PROTOCOLS
-
-    protocol = PROTOCOLS[performative].name if performative in PROTOCOLS else ""
-    label = uuid.uuid4().hex
-    return AclMessage(
-        performative=performative,
-        sender=agent.name,
-        receivers=tuple(receivers),
-        content=content,
-        language=arguments.language,
-        ontology=arguments.ontology,
-        protocol=arguments.protocol or protocol,
-        conversation_id=arguments.conversation or label,
-        reply_with=arguments.reply_with or (label if performative in PROTOCOLS else ""),
-        in_reply_to=arguments.in_reply_to,
-        reply_by=None if arguments.reply_by is None else agent.home.wall_time() + arguments.reply_by,
-        x_heartbeat=agent.name.heartbeat_key if performative in MOVING else "",
-    )
-
-
-def _to_one(message: "AclMessage", receiver: "AgentName") -> "AclMessage":
-    from dataclasses import replace
-
-    return replace(message, receivers=(receiver,))
-
-
-async def _converse(agent: "Agent", message: "AclMessage", wait: float, as_json: bool) -> bool:
+async def _converse(agent: "Agent", message: "AclMessage", receiver: "AgentName", wait: float, as_json: bool) -> bool:
     """Begin a conversation and print the replies; return whether the last one is a success."""
     from agents.platform.acl import Performative
+    from agents.platform.conversations.any_message import ENDS_WELL, converse
     from agents.platform.errors import in_words
-    from bus.aio import ReplyQueue
     from bus.errors import BusError
 
     last = ""
-    beating = agent.home.beating(agent.name) if message.x_heartbeat else nullcontext()
-    agent.home.trace(message)
-    key = message.receivers[0].acl_key
-    replies = ReplyQueue(wait)
     try:
-        with beating, agent.bus.ask(key, message.to_dict(), replies.put, replies.put, wait, urgent=True):
-            async for answer in replies:
-                last = str(answer.value.get("performative", ""))
-                _show(answer.value, as_json)
+        async with aclosing(converse(agent, message, receiver, wait)) as replies:
+            async for reply in replies:
+                last = str(reply.get("performative", ""))
+                _show(reply, as_json)
     except (BusError, TimeoutError) as err:
         if last != Performative.PROPOSE:  # a proposal that nobody accepts is the end here
-            print(f"acromovi send: {message.receivers[0]}: {in_words(err) or 'no reply in time'}", file=sys.stderr)
+            print(f"acromovi send: {receiver}: {in_words(err) or 'no reply in time'}", file=sys.stderr)
             return False
-    return last in (Performative.INFORM, Performative.PROPOSE, Performative.ACCEPT_PROPOSAL)
+    return last in ENDS_WELL
 
 
 async def _print_mailbox(agent: "Agent", wait: float, as_json: bool) -> int:
@@ -195,7 +161,7 @@ async def _print_mailbox(agent: "Agent", wait: float, as_json: bool) -> int:
 
 
 def _show(message: Mapping[str, Any], as_json: bool) -> None:
-    from acromovi.sniffer.captured import brief, shortened
+    from agents.sniffer.captured import brief, shortened
 
     if as_json:
         print(json.dumps(message, ensure_ascii=False), flush=True)

@@ -15,9 +15,9 @@ from acromovi.subcommand import Subcommand
 
 if TYPE_CHECKING:
     from acromovi.known_agents import KnownAgents
-    from acromovi.sniffer.captured import CapturedMessage, Heard
     from acromovi.sniffer.listener import Listener
     from acromovi.sniffer.sequence import Diagram
+    from agents.sniffer.captured import CapturedMessage, Heard
 
 SILENCE = 3.0  # s without a word until a hint is given
 LOOK = 0.05  # s between two looks at what has come
@@ -73,8 +73,8 @@ def new_file(text: str) -> Path:
 def _run(arguments: argparse.Namespace) -> int:
     """Listen until the time is over or Ctrl-C, then draw."""
     from acromovi.known_agents import KnownAgents
-    from acromovi.sniffer.captured import wanted
     from acromovi.sniffer.listener import Listener
+    from agents.sniffer.captured import wanted
     from bus.session import ZenohBus
 
     if arguments.json and arguments.diagram:
@@ -109,7 +109,7 @@ class _Transcript:
 
     def add(self, heard: "Iterable[Heard]") -> None:
         """Print what is wanted of it."""
-        from acromovi.sniffer.captured import CapturedMessage
+        from agents.sniffer.captured import CapturedMessage
 
         for each in filter(self._is_wanted, heard):
             shown = json.dumps(each.record()) if self._as_json else _line(each)
@@ -138,7 +138,7 @@ def _follow(ear: "Listener", transcript: _Transcript, duration: float | None, on
 
 def _advice(patterns: Sequence[str], known: "KnownAgents") -> str:
     """Return advice for when there are no messages."""
-    from acromovi.sniffer.captured import matches
+    from agents.sniffer.captured import matches
 
     if not known.names:
         return "there are no agents: start a team with acromovi up, and see whether both use the same --bus"
@@ -149,8 +149,8 @@ def _advice(patterns: Sequence[str], known: "KnownAgents") -> str:
 
 def _line(heard: "Heard") -> str:
     """Something heard, for people."""
-    from acromovi.sniffer.captured import SHORT_ID, Unreadable, brief, shortened
     from acromovi.sniffer.text import clock
+    from agents.sniffer.captured import SHORT_ID, Unreadable, brief, shortened
 
     if isinstance(heard, Unreadable):
         return (

@@ -16,7 +16,7 @@ from pathlib import Path
 
 from benchmarks.figures import Figure
 from benchmarks.processes import cpu_seconds, resident_megabytes, running_team
-from benchmarks.team import robots_turning
+from benchmarks.team import driving_team
 from bus import Sample, ZenohBus
 from configs.defaults import default_bus
 from recorder.channels import is_stream
@@ -30,7 +30,7 @@ CPU_REACH, LOST_REACH, KILLED_REACH, MEMORY_REACH = 8.0, 0.0, 1.0, 200.0  # % of
 
 def measure(options: argparse.Namespace) -> list[Figure]:
     """One run."""
-    with tempfile.TemporaryDirectory() as folder, running_team(TEAM), robots_turning():
+    with tempfile.TemporaryDirectory() as folder, running_team(TEAM), driving_team():
         path = Path(folder) / "team.mcap"
         command = [sys.executable, "-m", "acromovi", "record", "--quiet", "--bus", default_bus(), "--output", str(path)]
         with subprocess.Popen(command) as process:

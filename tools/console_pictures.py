@@ -19,6 +19,7 @@ from playwright.sync_api import Browser, Page, sync_playwright
 from tools.page_picture import FOLDER, started
 
 SIZE, PHONE = {"width": 1280, "height": 800}, {"width": 390, "height": 800}  # px
+TALL = {"width": 1280, "height": 1080}  # px
 TRIES = 10
 GAP = 24  # px between the pictures of phones
 TEAM = """\
@@ -112,6 +113,23 @@ def _inject(page: Page) -> None:
     page.wait_for_timeout(500)
 
 
+def _ask(page: Page) -> None:
+    """Ask the base of happy for a turn, and for a place that is too far away."""
+    page.locator(".a-agent", has_text="base@happy").first.click()
+    page.get_by_label("Ask it to").wait_for()
+    for request, fields, words in (
+        ("turn", {"angle": "0.3"}, "turn: done"),
+        ("go_to", {"x": "5000", "y": "0"}, "go_to: refused"),
+    ):
+        page.get_by_label("Ask it to").click()
+        page.get_by_role("option", name=f"request {request}", exact=True).click()
+        for name, text in fields.items():
+            page.get_by_label(name, exact=True).fill(text)
+        page.get_by_role("button", name="Ask", exact=True).click()
+        page.get_by_text(words).first.wait_for()
+    page.evaluate("window.scrollTo(0, 0)")
+
+
 def _start(page: Page) -> None:
     """Let sneezy wander, and show the output."""
     page.get_by_label("Application").first.click()
@@ -155,6 +173,7 @@ def main(arguments: list[str]) -> None:
             _take(browser, url, "/robot/doc", "dark", folder / "console-robot-dark.png", _drive)
             _take(browser, url, "/?robot=doc", "dark", folder / "console-map-dark.png", _look)
             _take(browser, url, "/robot/max", "light", folder / "console-robot.png", _look)
+            _take(browser, url, "/agents", "light", folder / "console-agents.png", _ask, TALL)
             _take(browser, url, "/faults", "light", folder / "console-faults.png", _inject)
             _take(browser, url, "/timeline", "dark", folder / "console-timeline.png", _look)
             _take(browser, url, "/applications", "light", folder / "console-applications.png", _start)

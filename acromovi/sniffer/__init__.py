@@ -1,1 +1,1 @@
-"""Captured messages between agents: read, sorted, and drawn as sequence diagrams in text and SVG."""
+"""Messages between agents, listened to and drawn as sequence diagrams in text and SVG."""

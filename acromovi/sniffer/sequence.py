@@ -4,7 +4,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from acromovi.sniffer.captured import CapturedMessage, brief
+from agents.sniffer.captured import CapturedMessage, brief
 
 
 @dataclass(frozen=True, slots=True)

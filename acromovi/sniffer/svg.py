@@ -4,10 +4,10 @@ from collections.abc import Iterator
 from datetime import datetime
 from itertools import pairwise
 
-from acromovi.sniffer.captured import brief, shortened
 from acromovi.sniffer.sequence import Arrow, Diagram
 from acromovi.sniffer.text import clock
 from acromovi.svg import COLOURS, LETTER, STYLE, document, head, width_of, written
+from agents.sniffer.captured import brief, shortened
 
 PLAIN = "#6b7280"  # of messages that belong to no conversation
 NO = "#c62828"  # of the word that says that something is not done

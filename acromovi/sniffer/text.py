@@ -10,8 +10,8 @@ from collections.abc import Iterator
 from datetime import datetime
 from itertools import pairwise
 
-from acromovi.sniffer.captured import SHORT_ID, shortened
 from acromovi.sniffer.sequence import Arrow, Diagram
+from agents.sniffer.captured import SHORT_ID, shortened
 
 LINE, DASH, TO_RIGHT, TO_LEFT, SELF = "│", "─", "▶", "◀", "↺"
 NAME_ROOM = 24  # characters of a lifeline's name

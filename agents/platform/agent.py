@@ -165,6 +165,14 @@ class Agent:
             "properties": self.properties,
         }
 
+    def interface(self) -> dict[str, list[dict[str, Any]]]:
+        """Return its handlers with their parameters, under the names of `describe`."""
+        protocols = {"requests": REQUESTS, "answers": QUERIES, "subscriptions": SUBSCRIPTIONS, "proposals": CALLS}
+        return {
+            name: [handler.describe() for _, handler in sorted(self._dispatcher.handlers.get(protocol, {}).items())]
+            for name, protocol in protocols.items()
+        }
+
     def add(self, part: Behaviour | Action, policy: Policy = DROP) -> Running:
         """Start a behaviour, or an action that is done once."""
         return self._schedule.add(Behaviour.of(part), policy)

@@ -4,14 +4,16 @@ A lease on a name has no gateway: only an arbiter's book records its holder.
 """
 
 import secrets
-from collections.abc import Awaitable, Callable, Mapping
+from collections.abc import Awaitable, Callable, Iterator, Mapping
 from typing import Any
 
 from agents.services.leases import ID_BYTES, NAMED, ROBOT, LeaseTarget
-from bus import NoAnswer, NotAllowed, Refused, keys
+from bus import Bus, NoAnswer, NotAllowed, Refused, TimedOut, keys
+from bus.aio import ReplyQueue
 
 ANSWER_TIME = 1.0  # s; for a query that is repeated soon, such as a renewal
 TAKING_TIME = 3.0  # s; for a query that is not repeated, so that a busy machine causes no refusal
+LISTING_TIME = 2.0  # s; for the leases of all robots
 
 Query = Callable[[str, Mapping[str, Any], float], Awaitable[dict[str, Any]]]
 
@@ -96,3 +98,34 @@ class GatewayLeases:
             raise GatewayAway(f"the gateway of {robot} does not answer; is the robot there?") from err
         except NotAllowed as err:
             raise Refused(str(err)) from err
+
+
+async def held_leases(bus: Bus) -> tuple[list[dict[str, Any]], str]:
+    """Return all leases of all robots, as their gateways know them.
+
+    Returns:
+        A row for each lease, sorted by what it is on: element, holder, priority, and the s until it expires. And why
+        some may be missing, empty if none is.
+    """
+    found: list[dict[str, Any]] = []
+    left_out = ""
+    try:
+        replies = ReplyQueue(LISTING_TIME)
+        with bus.ask(f"*/{keys.LEASE_STATE.suffix}", None, replies.put, replies.put, LISTING_TIME, urgent=True):
+            async for answer in replies:
+                found += _held(keys.split(answer.key)[0], answer.value)
+    except (TimedOut, Refused) as err:
+        left_out = f"somebody is left out: {err}"
+    except NoAnswer:
+        pass  # no robot is there
+    return sorted(found, key=lambda row: str(row["element"])), left_out
+
+
+def _held(robot: str, state: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
+    """Return a gateway's answer, a row for each lease; what is no lease is left out."""
+    parts = state.get("elements")
+    elements = {f"{name}@{robot}": lease for name, lease in parts.items()} if isinstance(parts, Mapping) else {}
+    for element, lease in {robot: state, **elements}.items():
+        match lease:
+            case {"holder": str(holder), "priority": int(priority), "expires_in": int() | float() as left}:
+                yield {"element": element, "holder": holder, "priority": priority, "expires_in": left}

@@ -14,6 +14,7 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from agents.platform import Agent, AgentError, Directory, Ending, NameNotValid, Outcome
 from agents.platform.errors import in_words
+from apps.console.agent_watch import AgentWatch
 from apps.console.applications import ApplicationRuns
 from apps.console.driving import BASE, DriveCommand, DriveControl
 from apps.console.emulator import EmulatorControl
@@ -22,6 +23,7 @@ from apps.console.map_feed import MapFeed
 from apps.console.placing import FramePlaces
 from apps.console.robots import RobotWatch
 from apps.console.settings import ConsoleSettings
+from apps.console.sniffer_feed import SnifferFeed
 from apps.console.timeline import Timeline
 from apps.console.visits import Visit
 from apps.remote_vision.program import RemoteVision
@@ -60,9 +62,10 @@ class Console:
     """The program behind the pages, for the time of a block.
 
     agent: asks all other agents. settings: of the application. inputs: of its start. may_command: whether the role on
-    the bus permits more than looking. robots: the robots. timeline: the events. directory: the agents. map: the map.
-    vision: the cameras and their heads. can_aim: whether what aims a camera by its image is installed. emulator: the
-    emulator; None without one. applications: those that run. visits: the pages that are open, by ticket.
+    the bus permits more than looking. robots: the robots. timeline: the events. directory: the names of the agents.
+    agents: their containers and states. sniffer: what they send each other. map: the map. vision: the cameras and their
+    heads. can_aim: whether what aims a camera by its image is installed. emulator: the emulator; None without one.
+    applications: those that run. visits: the pages that are open, by ticket.
     """
 
     def __init__(self, agent: Agent, settings: ConsoleSettings, inputs: ConsoleInputs, *, may_command: bool) -> None:
@@ -80,6 +83,8 @@ class Console:
         bus = self.agent.bus
         self.robots = self._open.enter_context(RobotWatch(bus, self.timeline.tell))
         self.directory = self._open.enter_context(Directory(bus))
+        self.agents = self._open.enter_context(AgentWatch(bus, self.directory))
+        self.sniffer = SnifferFeed(bus)
         self.agent.listen("*/agents/monitor/results", self._hear_monitor, keep=64)
         self.agent.listen("*/navigation/user_interface/send/LogMessage", self._hear_mission, keep=64, keyed=True)
         self.vision = await self._open.enter_async_context(RemoteVision(self.agent, RemoteVisionSettings.load()))

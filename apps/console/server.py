@@ -7,6 +7,7 @@ from functools import partial
 from fastapi import FastAPI, WebSocket
 from nicegui import ui
 
+from apps.console.agent_panels.conversations import SNIFFER_PATH
 from apps.console.pages import PAGES, ROBOT_PAGE
 from apps.console.program import Console, ConsoleInputs
 from apps.console.settings import ConsoleSettings
@@ -72,6 +73,10 @@ def _application(console: Console) -> FastAPI:
     @app.websocket("/map/{ticket}")
     async def map_updates(websocket: WebSocket, ticket: str) -> None:
         await console.map.serve(websocket, lambda: ticket in console.visits)
+
+    @app.websocket(f"{SNIFFER_PATH}/{{ticket}}")
+    async def messages(websocket: WebSocket, ticket: str) -> None:
+        await console.sniffer.serve(websocket, lambda: ticket in console.visits)
 
     for page in PAGES:
         ui.page(page.path)(partial(begin_page, console, page, PAGES))

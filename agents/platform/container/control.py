@@ -8,12 +8,13 @@ A query on `<platform>/containers/<name>/control` carries `{"do": ...}` and what
 | `start` | `name`, `kind`, `properties`, `state` | name and state of the agent, once it is active |
 | `stop`, `suspend`, `resume` | `name` | name and state of the agent |
 | `introspect` | `name` | what the agent holds and does (introspection.py) |
+| `interface` | `name` | what the agent can be asked for, with types and defaults (introspection.py) |
 | `move` | `name`, `to` | name, state and container of the agent, once it lives in the other |
 | `clone` | `name`, `as`, `to` | name, state and container of the copy, once it is active |
 
-`list`, which is the default there, and `introspect` are answered on `<platform>/containers/<name>/description` too, for
-programs that may read but not control. Containers send each other `adopt`, `settle`, `deliver`, `begin` and `forsake`
-when an agent moves (departures.py).
+`list`, which is the default there, `introspect` and `interface` are answered on
+`<platform>/containers/<name>/description` too, for programs that may read but not control. Containers send each other
+`adopt`, `settle`, `deliver`, `begin` and `forsake` when an agent moves (departures.py).
 
 A refusal is an error reply with one sentence.
 """
@@ -30,7 +31,7 @@ from typing import Any
 
 from agents.platform.container.controlled import ControlledContainer
 from agents.platform.container.delivery_gate import QueuedMessage
-from agents.platform.container.introspection import introspect
+from agents.platform.container.introspection import interface, introspect
 from agents.platform.directory import check_free
 from agents.platform.errors import AgentError, in_words
 from agents.platform.life import AgentState
@@ -49,7 +50,7 @@ log = logging.getLogger("agents")
 Given = Mapping[str, Any]
 Order = Callable[[Given], Awaitable[dict[str, Any]]]
 
-READING = ("list", "introspect")  # orders that change nothing
+READING = ("list", "introspect", "interface")  # orders that change nothing
 
 
 class _OrderNotValid(AgentError, ValueError):
@@ -71,6 +72,7 @@ class Control:
             "suspend": self._suspend,
             "resume": self._resume,
             "introspect": self._introspect,
+            "interface": self._interface,
             "move": self._move,
             "clone": self._clone,
             "adopt": self._adopt,
@@ -197,6 +199,9 @@ class Control:
 
     async def _introspect(self, given: Given) -> dict[str, Any]:
         return introspect(self._container.agent(_name_in(given)))
+
+    async def _interface(self, given: Given) -> dict[str, Any]:
+        return interface(self._container.agent(_name_in(given)))
 
     async def _move(self, given: Given) -> dict[str, Any]:
         agent = self._container.agent(_name_in(given))

@@ -37,6 +37,15 @@ def introspect(agent: Agent) -> dict[str, Any]:
     }
 
 
+def interface(agent: Agent) -> dict[str, Any]:
+    """Return what others can ask an agent for, as a JSON object.
+
+    `requests`, `answers`, `subscriptions` and `proposals` are as in its description, with the documentation and the
+    parameters of each (`Handler.describe`).
+    """
+    return {"name": str(agent.name), **agent.interface()}
+
+
 def _head(message: AclMessage) -> dict[str, Any]:
     content = "" if message.content is None else json.dumps(message.content, ensure_ascii=False)
     return {

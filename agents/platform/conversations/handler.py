@@ -4,6 +4,7 @@ import inspect
 from collections.abc import Awaitable, Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from inspect import Parameter
+from math import isfinite
 from typing import Any, get_type_hints
 
 from configs.suggestion import not_taken
@@ -56,6 +57,30 @@ class Handler:
         expected = self._hints.get(name)
         return f" ({expected.__name__})" if isinstance(expected, type) and expected in _PLAIN else ""
 
+    def describe(self) -> dict[str, Any]:
+        """Return its name, documentation and parameters as a JSON object.
+
+        Each parameter has `name` and `type` (the annotation as text, empty without one), and a `default` unless it is
+        required; a default without a JSON form is None. `takes_any` tells whether it takes further ones.
+        """
+        kinds = [each.kind for each in self._parameters.values()]
+        return {
+            "name": self.name,
+            "doc": inspect.getdoc(self.function) or "",
+            "takes_any": Parameter.VAR_KEYWORD in kinds,
+            "parameters": [self._described(each) for each in self._parameters.values() if each.kind in _BY_NAME],
+        }
+
+    def _described(self, parameter: Parameter) -> dict[str, Any]:
+        hint = self._hints.get(parameter.name)
+        shown: dict[str, Any] = {
+            "name": parameter.name,
+            "type": "" if hint is None else inspect.formatannotation(hint).replace("collections.abc.", ""),
+        }
+        if parameter.default is not Parameter.empty:
+            shown["default"] = parameter.default if _is_scalar(parameter.default) else None
+        return shown
+
     def call(self, arguments: Mapping[str, Any]) -> Awaitable[Any]:
         """Call it, whether or not it is a coroutine function, and return its result to be awaited."""
         result = self.function(**arguments)
@@ -64,6 +89,11 @@ class Handler:
 
 async def _ready(result: Any) -> Any:
     return result
+
+
+def _is_scalar(value: object) -> bool:
+    """Return whether a value has a JSON form."""
+    return value is None or isinstance(value, str | int) or (isinstance(value, float) and isfinite(value))
 
 
 _BY_NAME = (Parameter.POSITIONAL_OR_KEYWORD, Parameter.KEYWORD_ONLY)

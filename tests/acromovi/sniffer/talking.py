@@ -2,8 +2,8 @@
 
 from typing import Any
 
-from acromovi.sniffer.captured import CapturedMessage
 from agents.platform import AclMessage, AgentName, Performative
+from agents.sniffer.captured import CapturedMessage
 
 NOON = 1_767_265_200.0  # s since 1970
 

@@ -5,8 +5,8 @@ from typing import Any
 
 import pytest
 
-from acromovi.sniffer.captured import CapturedMessage, Unreadable, brief, read, shortened, wanted
-from acromovi.sniffer.listener import ReorderBuffer
+from agents.sniffer.captured import CapturedMessage, Unreadable, brief, read, shortened, wanted
+from agents.sniffer.reorder import ReorderBuffer
 from bus import Sample
 from tests.acromovi.sniffer.talking import A_TALK, APP, ARM, BASE, said
 

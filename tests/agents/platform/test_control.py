@@ -302,3 +302,11 @@ def test_an_application_named_as_a_module_of_python_is_refused(tmp_path: Path) -
     (tmp_path / "random.py").write_text("")
     with pytest.raises(LookupError, match="'random' is the name of another module of Python"):
         Kinds([tmp_path]).find("random:App")
+
+
+def test_interface_tells_types_and_defaults_of_what_an_agent_can_be_asked_for(world: World) -> None:
+    world.start()
+    told = world.order("interface", name="w@team")
+    (walk,) = told["requests"]
+    assert walk["parameters"] == [{"name": "seconds", "type": "float"}]
+    assert told["subscriptions"] == told["answers"] == []

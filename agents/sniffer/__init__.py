@@ -1,0 +1,1 @@
+"""Messages between agents as containers publish them: read, filtered, and sorted by time."""
