@@ -7,7 +7,7 @@ robot must not turn as if the frame were gone.
 import numpy as np
 
 from apps.indoor_navigation.algorithms.bodies import Bodies
-from apps.indoor_navigation.algorithms.echo_memory import EchoMemory
+from apps.indoor_navigation.algorithms.echo_places import EchoPlaces
 from apps.indoor_navigation.algorithms.perception import Perceived
 from apps.indoor_navigation.algorithms.rays import Rays, in_robot
 from apps.indoor_navigation.data import Floats, Ints, Pose
@@ -33,7 +33,7 @@ class Surroundings:
         self._last = Rays.none()
         self._is_scanned = self._last.is_of_scanner
         self._bodies = Bodies.none()
-        self._echoes = EchoMemory()
+        self._echoes = EchoPlaces()
 
     def see(self, perceived: Perceived) -> None:
         """Add what the sensors show, and remove remembered places that they show to be free."""

@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from apps.indoor_navigation.algorithms.bodies import Bodies
-from apps.indoor_navigation.algorithms.echo_memory import HIGH_REACH, EchoMemory
+from apps.indoor_navigation.algorithms.echo_places import HIGH_REACH, EchoPlaces
 from apps.indoor_navigation.algorithms.perception import Perceived
 from apps.indoor_navigation.algorithms.planning.area import NEVER, OCCUPIED, PASSABLE, PASSED, Area
 from apps.indoor_navigation.algorithms.rays import Rays
@@ -62,7 +62,7 @@ class Grid:
 
     def forget(self) -> None:
         """Clear the grid."""
-        self._echoes = EchoMemory()
+        self._echoes = EchoPlaces()
         self.area = Area.of(0.0, 0.0, self._parameters.resolution, np.zeros((0, 0), np.int8))
 
     def include(self, place: Place, margin: float = 0.0) -> bool:

@@ -28,7 +28,7 @@ ARC = (-0.17, -0.085, 0.085, 0.17)  # rad beside the axis of a disc on a column,
 EVIDENCE = 2  # the row with the evidence, after x and y, and before direction, distance and height
 
 
-class EchoMemory:
+class EchoPlaces:
     """Places in odom, with the evidence of an obstacle, and from where they were heard: direction, distance, height."""
 
     def __init__(self) -> None:
