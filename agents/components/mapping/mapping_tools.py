@@ -191,6 +191,8 @@ class MapWork:
         Raises:
             ValueError: Nothing has been seen yet.
         """
+        if self.is_empty:
+            raise ValueError("nothing has been seen yet; drive the robot, and see whether its sensors publish")
         return map_of(self._builder.keys, self._base, self._gatherer, with_lines=self._sonar is None)
 
 
