@@ -33,6 +33,7 @@ COMMANDS = {
     "try": ("acromovi.scenes.play", "See an accessory, a line or a fault at work, in a few seconds"),
     "remote-vision": ("acromovi.remote_vision", "See through the cameras of a team in a browser, and turn them"),
     "camera": ("acromovi.camera", "Calibrate a camera by views of a chessboard"),
+    "localize": ("acromovi.localize", "Find out where a robot is on a map, and follow it there"),
     "navigate": ("acromovi.navigation.command", "Let a robot find its way through rooms that it does not know"),
     "map": ("acromovi.mapping.command", "Build, save, join and draw maps of buildings"),
     "missions": ("acromovi.missions.command", "Play missions of the indoor navigation in lockstep, and judge them"),

@@ -41,6 +41,7 @@ GROUPS = {
     "following": "robots that follow each other by sight, rendered in lockstep; writes following.md and pictures",
     "optical_flow": "wandering by optical flow in textured rooms in lockstep; writes optical-flow.md and pictures",
     "fetch": "fetching objects with the gripper, rendered in lockstep; writes fetch.md and a picture",
+    "localization": "localization on true maps by laser and sonar, in lockstep; writes localization.md and pictures",
     "vision": "colours, target and time to contact in drawn images, and the delay of the vision agents",
     "remote_vision": "age of an image when the browser has drawn it: over loopback, and with delay and loss",
     "flood": "how soon an e-stop is obeyed while other programs flood the gateway",

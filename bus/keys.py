@@ -103,7 +103,15 @@ CAMERA = Topic.stream(
 CAMERA_INFO = Topic.stream(
     "camera/camera_info", "sensor_msgs/msg/CameraInfo", "camera rate", "Model of a calibrated camera"
 )
-TF = Topic.stream("tf", "tf2_msgs/msg/TFMessage", "with odometry", "Where <robot>/base_link is in <robot>/odom")
+POSE = Topic.stream(
+    "pose",
+    "geometry_msgs/msg/PoseWithCovarianceStamped",
+    "10 Hz while localized",
+    "Pose in map, by the agent localization; only while it believes the pose",
+)
+TF = Topic.stream(
+    "tf", "tf2_msgs/msg/TFMessage", "with odometry", "Where <robot>/base_link is in <robot>/odom, and that in map"
+)
 TF_STATIC = Topic.stream("tf_static", "tf2_msgs/msg/TFMessage", "1 Hz", "Where the sensors are on the robot")
 MAP = Topic.stream("map", "nav_msgs/msg/OccupancyGrid", "on change", "Map of the building, in the frame map")
 DIAGNOSTICS = Topic.stream(

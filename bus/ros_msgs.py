@@ -121,6 +121,15 @@ class PoseWithCovariance:
 
 
 @dataclass
+class PoseWithCovarianceStamped:
+    """A pose with when, and in which frame."""
+
+    header: Header
+    pose: PoseWithCovariance
+    __msgtype__: ClassVar[str] = "geometry_msgs/msg/PoseWithCovarianceStamped"
+
+
+@dataclass
 class Vector3:
     """A direction and its size."""
 

@@ -11,6 +11,7 @@ PROGRAMS = ("acromovi", "p2os-emu", "p2os-gateway", "pytest", "python")
 OF_A_RECORDING = "acromovi wire happy.jsonl"  # run where the recording is made
 IN_TERMINALS = "it runs until Ctrl-C, and is started by many tests"
 SUITE = "it is run by `make test` as a whole"
+LOCALIZATION = "tests/acromovi/test_localize.py, with a map of its own"
 FORMATION = "tests/apps/formation/test_on_a_team.py, with two robots"
 FOLLOWING = "tests/apps/robot_following/test_on_a_team.py, with two robots"
 OPTICAL_FLOW = "tests/apps/optical_flow/test_on_a_team.py"
@@ -37,6 +38,14 @@ ELSEWHERE = {
     "acromovi navigate go happy 6 2.5 --wait": "tests/acromovi/navigation",
     "acromovi navigate picture happy now.svg": "tests/acromovi/navigation",
     "acromovi navigate wiring happy wiring.svg": "tests/acromovi/navigation",
+    "acromovi localize happy --map office.map": LOCALIZATION,
+    "acromovi localize happy --map office.map --unknown": LOCALIZATION,
+    "acromovi localize happy --map office.yaml --pose 2.5 6.1 1.57": LOCALIZATION,
+    "acromovi localize happy --state": LOCALIZATION,
+    "acromovi localize happy --stop": LOCALIZATION,
+    'acromovi navigate go happy "Lab 2" --wait': LOCALIZATION,
+    "acromovi ask localization@happy set_pose x=2.5 y=6.1 heading=1.57": "tests/agents/components",
+    "python -m benchmarks localization": "it is a benchmark, which takes minutes",
     "acromovi ask colours@happy serve_acts port=5001": "tests/agents/components/vision, with other ports",
     "acromovi run formation leader=happy followers=doc,grumpy shape=triangle starts=my-team.toml": FORMATION,
     "acromovi promote formation leader=happy followers=doc,grumpy starts=my-team.toml": FORMATION,

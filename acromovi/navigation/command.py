@@ -19,6 +19,7 @@ EPILOG = """\
 examples:
   acromovi navigate up happy                 start the navigation of the robot happy, until Ctrl-C
   acromovi navigate go happy 6 2.5 --wait    send it, from another terminal, and wait for the end
+  acromovi navigate go happy "Lab 2"         send it to a goal of the map on which it is localized
   acromovi navigate watch happy
   acromovi navigate picture happy now.svg
   acromovi navigate ORDER --help             print the options of one of them

@@ -23,12 +23,15 @@ RESTART_TIMEOUT = 20.0  # s for the user interface to restart after it has died;
 EPILOG = """\
 examples:
   acromovi navigate go happy 6 2.5
+  acromovi navigate go happy "Lab 2" --wait
+  acromovi navigate go happy 6 2.5 --map
   acromovi navigate go happy 6 2.5 --heading 1.57 --wait
   acromovi navigate go happy 0 0 --wait --picture back.svg
   acromovi navigate go happy 0 0 --wait --json
 
-Places are in m in the frame `odom`. An active mission is replaced. With --wait the messages about the mission are
-printed until it has ended. Ctrl-C ends the waiting, not the mission; to end the mission use `acromovi navigate cancel`.
+X and Y are m in the frame `odom`; with --map, m in the frame `map`. A name is that of a goal of the map. Both need a
+robot that is localized: acromovi localize. An active mission is replaced. With --wait the messages about the mission
+are printed until it has ended. Ctrl-C ends the waiting, not the mission; to end that, use `acromovi navigate cancel`.
 
 With --json the output is one object, {"mission": NAME}, and with --wait the result:
 {"mission": NAME, "state": "done"|"failed"|"cancelled"|"replaced", "why": TEXT, ...}
@@ -40,8 +43,10 @@ on stderr), 2 wrong usage, 130 stopped by Ctrl-C.
 
 def _add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("robot", metavar="ROBOT", help="its name on the bus")
-    parser.add_argument("x", metavar="X", type=finite, help="m")
-    parser.add_argument("y", metavar="Y", type=finite, help="m")
+    parser.add_argument(
+        "place", metavar="PLACE", nargs="+", action=_Place, help="X and Y in m, or the name of a goal of the map"
+    )
+    parser.add_argument("--map", action="store_true", help="X, Y and the heading are in the frame map [odom]")
     parser.add_argument("--heading", type=finite, metavar="RAD", help="heading at the goal [any]")
     parser.add_argument("--tolerance", type=finite, metavar="M", help="distance that counts as reached [0.25 m]")
     parser.add_argument("--wait", action="store_true", help="wait until the mission has ended")
@@ -77,6 +82,44 @@ def _run(arguments: argparse.Namespace) -> int:
     return code
 
 
+class _Place(argparse.Action):
+    """Makes x and y, or the name of a goal, of the words of a place."""
+
+    def __call__(
+        self, parser: argparse.ArgumentParser, namespace: argparse.Namespace, values: Any, option: str | None = None
+    ) -> None:
+        """Store them as arguments of a request."""
+        if len(values) == 1:
+            setattr(namespace, self.dest, {"place": values[0]})
+            return
+        try:
+            x, y = map(finite, values)
+        except argparse.ArgumentTypeError as err:
+            raise argparse.ArgumentError(self, str(err)) from err
+        except ValueError as err:
+            words = " ".join(f'"{word}"' for word in values)
+            raise argparse.ArgumentError(self, f"give X and Y in m, or one name in quotes, not {words}") from err
+        setattr(namespace, self.dest, {"x": x, "y": y})
+
+
+async def _in_odom(agent: "Agent", arguments: argparse.Namespace) -> dict[str, Any]:
+    """Return the place in `odom`, by the localization of the robot where it is in `map`.
+
+    Raises:
+        RequestNotDone: The robot is not localized, or it cannot be there.
+    """
+    from acromovi.navigation.components import REPLY_TIMEOUT
+    from agents.platform.names import AgentName
+
+    place: dict[str, Any] = arguments.place
+    if "place" not in place and not arguments.map:
+        return {**place, "heading": arguments.heading}
+    given = place if arguments.heading is None else {**place, "heading": arguments.heading}
+    localization = AgentName("localization", arguments.robot)
+    goal = (await agent.request(localization, "goal", reply_within=REPLY_TIMEOUT, **given)).value()
+    return {name: goal[name] for name in ("x", "y", "heading")}
+
+
 async def _go(bus: "Bus", interface: "AgentName", arguments: argparse.Namespace) -> int:
     """Send the robot; return the exit code.
 
@@ -86,8 +129,8 @@ async def _go(bus: "Bus", interface: "AgentName", arguments: argparse.Namespace)
     from acromovi.ask import asker
     from acromovi.navigation.components import REPLY_TIMEOUT
 
-    wanted = {"x": arguments.x, "y": arguments.y, "heading": arguments.heading, "tolerance": arguments.tolerance}
     async with asker(bus, interface) as agent:
+        wanted = {**await _in_odom(agent, arguments), "tolerance": arguments.tolerance}
         goal = {name: value for name, value in wanted.items() if value is not None}
         begun = (await agent.request(interface, "go", reply_within=REPLY_TIMEOUT, **goal)).value()
         if not arguments.wait:

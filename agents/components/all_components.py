@@ -9,6 +9,7 @@ from agents.components.camera import CameraAgent
 from agents.components.component import ElementAgent
 from agents.components.generic import Generic
 from agents.components.gripper import GripperAgent
+from agents.components.localization.localization_agent import LocalizationAgent
 from agents.components.mapping.mapping_agent import MappingAgent
 from agents.components.ptz import PtzAgent
 from agents.components.sensors import (
@@ -44,9 +45,11 @@ COMPONENTS: Mapping[str, type[ElementAgent]] = {
     "camera": CameraAgent,
 }
 """By the element's name in the robot's description."""
+_OF_RANGES: Mapping[str, type[ElementAgent]] = {"localization": LocalizationAgent, "mapping": MappingAgent}
 DERIVED: Mapping[str, Mapping[str, type[ElementAgent]]] = {
-    "base": {"mapping": MappingAgent},
     "camera": {"vision": VisionAgent, "colours": ColoursAgent, "flow": FlowAgent, "motion": MotionAgent},
+    "laser": _OF_RANGES,
+    "sonar": _OF_RANGES,
 }
 """By the element's name: further agents by their names, which live as long as it is there."""
 NEEDED: Mapping[str, str] = {"camera": "vision"}

@@ -165,7 +165,8 @@ def test_a_refusal_is_one_sentence(going: str, capsys: pytest.CaptureFixture[str
 @pytest.mark.parametrize(
     ("arguments", "why"),
     [
-        (["go", "happy", "one", "2"], "invalid finite value: 'one'"),
+        (["go", "happy", "one", "2"], 'give X and Y in m, or one name in quotes, not "one" "2"'),
+        (["go", "happy", "Lab", "2", "b"], "one name in quotes"),
         (["go", "happy", "inf", "2"], "inf is not a finite number"),
         (["picture", "happy", "now.gif"], "ends neither in .svg nor in .png"),
         (["picture", "happy", "/no/folder/now.svg"], "there is no folder"),

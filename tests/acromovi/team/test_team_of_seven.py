@@ -26,8 +26,8 @@ from tests.interruptions import INTERRUPTED, again_if_interrupted
 from tests.live_team import LIMIT, ROOT, LiveTeam
 from tests.waiting import end_of, wait_until
 
-EVERY = {"base", "mapping", "sonar", "battery", "io", "sound", "servos"}
-"""What every controller of these robots has: wheels, the sonar on it, and its own ports."""
+EVERY = {"base", "sonar", "battery", "io", "sound", "servos", "localization", "mapping"}
+"""What every controller of these robots has: wheels, the sonar on it, its own ports, and the agents of maps."""
 PIONEER = EVERY | {"gripper"}
 IMAGES = {"camera", "vision", "colours", "flow", "motion"}
 AGENTS: Mapping[str, set[str]] = {

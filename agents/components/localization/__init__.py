@@ -1,0 +1,1 @@
+"""The agent that localizes a robot on a map; its thread loads maps and numpy's arrays when it is started."""
