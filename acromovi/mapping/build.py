@@ -75,12 +75,20 @@ def _run(arguments: argparse.Namespace) -> int:
         return 2
     with ZenohBus.open(arguments.bus) as bus:
         agents = {robot: mapping_agent(bus, robot) for robot in robots}
-        try:
-            ended = asyncio.run(_build(bus, agents, arguments))
-        finally:
+
+        def save() -> None:
             if arguments.save is not None:
                 files = write_building_map(fetched(bus, agents[robots[0]], arguments.save.suffix), arguments.save)
                 _tell(arguments, f"written: {', '.join(map(str, files))}")
+
+        try:
+            ended = asyncio.run(_build(bus, agents, arguments))
+        except Exception:
+            raise  # the map of the agent may be an earlier one
+        except BaseException:  # Ctrl-C or SIGTERM, the usual end of a drive
+            save()
+            raise
+        save()
     if arguments.json:
         print(json.dumps({"ended": ended}))
     return 0
@@ -100,14 +108,16 @@ async def _build(bus: "Bus", agents: dict[str, "AgentName"], arguments: argparse
     async with asker(bus, next(iter(agents.values()))) as agent:
         with LiveGrids(bus, list(agents)) as grids:
             team = await ExploringTeam.found(bus, agent, grids) if arguments.explore else None
-            for name in agents.values():
-                (await agent.request(name, "start", reply_within=REPLY, **_begin(arguments))).value()
+            begun: dict[str, AgentName] = {}
             try:
+                for robot, name in agents.items():
+                    (await agent.request(name, "start", reply_within=REPLY, **_begin(arguments))).value()
+                    begun[robot] = name
                 return await _follow(agent, agents, grids, team, arguments)
             finally:
                 if team is not None:
                     await team.cancel()
-                for robot, name in agents.items():
+                for robot, name in begun.items():
                     _tell(arguments, f"{robot}: improving the map")
                     outcome = await agent.request(name, "stop", reply_within=REFINING)
                     _report(arguments, robot, outcome.value() if outcome.is_done else {"trouble": outcome.why}, None)
@@ -175,7 +185,9 @@ def _report(arguments: argparse.Namespace, robot: str, state: dict[str, Any], te
 
 
 def _tell(arguments: argparse.Namespace, words: str) -> None:
-    if not (arguments.quiet or arguments.json):
+    """Print words, unless they were the last that were printed."""
+    if not (arguments.quiet or arguments.json) and getattr(arguments, "told", "") != words:
+        arguments.told = words
         print(words, flush=True)
 
 

@@ -40,7 +40,7 @@ class SonarMapping:
 
 
 @dataclass(frozen=True, slots=True)
-class SonarReading:
+class DiscReading:
     """One range: s, number of the disc, m; infinite without an echo."""
 
     stamp: float
@@ -55,14 +55,14 @@ class SonarViews:
         """Begin. discs: where they are, by their numbers."""
         self._discs = discs
         self._settings = settings or SonarMapping()
-        self._readings: list[tuple[Pose2D, SonarReading]] = []
+        self._readings: list[tuple[Pose2D, DiscReading]] = []
         self._start: Pose2D | None = None
         self._has_begun = False
 
     def _echoes(self) -> int:
         return sum(reading.range < self._settings.farthest for _, reading in self._readings)
 
-    def add(self, reading: SonarReading, track: OdometryTrack) -> BeamView | None:
+    def add(self, reading: DiscReading, track: OdometryTrack) -> BeamView | None:
         """Take a reading; return a view when the robot has driven far enough."""
         poses = track.at(np.array([reading.stamp]))
         if poses is None or reading.disc not in self._discs:

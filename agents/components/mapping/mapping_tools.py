@@ -29,7 +29,7 @@ from maps.building.building import evidence_of, grid_of_evidence, map_of
 from maps.building.evidence import EvidenceGatherer
 from maps.building.laser_builder import KeyScan, LaserMapBuilder
 from maps.building.readings import Mount, OdometryTrack, ScanReading, laser_view
-from maps.building.sonar import MATCHING, SonarReading, SonarViews, echo_normals
+from maps.building.sonar import MATCHING, DiscReading, SonarViews, echo_normals
 from maps.building.surfaces import surface_points
 from maps.building_map import BuildingMap
 from maps.occupancy import OccupancyGrid
@@ -81,7 +81,7 @@ class MapWork:
             else LaserMapBuilder(MATCHING, origin, surfaces, echo_normals)
         )
         self._gatherer = EvidenceGatherer(settings.output.resolution_m)
-        self._waiting: deque[ScanReading | SonarReading] = deque()  # for the odometry after them
+        self._waiting: deque[ScanReading | DiscReading] = deque()  # for the odometry after them
 
     def take(self, samples: Iterable[Sample]) -> bool:
         """Take messages of odometry and laser in their order.
@@ -111,7 +111,7 @@ class MapWork:
             for each in message.ranges:
                 disc = each.header.frame_id.rpartition("_")[2]
                 if disc.isdecimal():
-                    self._waiting.append(SonarReading(stamp_ns(each.header) / NS_PER_S, int(disc), float(each.range)))
+                    self._waiting.append(DiscReading(stamp_ns(each.header) / NS_PER_S, int(disc), float(each.range)))
         elif isinstance(message, LaserScan) and self._sonar is None:
             self._waiting.append(
                 ScanReading(
@@ -129,7 +129,7 @@ class MapWork:
         changed = False
         while self._waiting and self._waiting[0].stamp < self._track.newest:
             reading = self._waiting.popleft()
-            if isinstance(reading, SonarReading):
+            if isinstance(reading, DiscReading):
                 assert self._sonar is not None  # it was read for it
                 view = self._sonar.add(reading, self._track)
             else:
@@ -191,6 +191,8 @@ class MapWork:
         Raises:
             ValueError: Nothing has been seen yet.
         """
+        if self.is_empty:
+            raise ValueError("nothing has been seen yet; drive the robot, and see whether its sensors publish")
         return map_of(self._builder.keys, self._base, self._gatherer, with_lines=self._sonar is None)
 
 

@@ -10,7 +10,7 @@ from maps.building.building import grid_of_evidence, map_of
 from maps.building.evidence import EvidenceGatherer
 from maps.building.laser_builder import LaserMapBuilder
 from maps.building.readings import Mount, OdometryTrack
-from maps.building.sonar import MATCHING, SonarReading, SonarViews, echo_normals
+from maps.building.sonar import MATCHING, DiscReading, SonarViews, echo_normals
 from maps.occupancy import OccupancyGrid
 from tests.maps.building.drawn_rooms import poses_along, room
 
@@ -45,7 +45,7 @@ def built() -> tuple[LaserMapBuilder, OccupancyGrid]:
         track.add(0.2 * number, pose.relative_to(Pose2D(1.0, 1.0)))
         for disc, mount in DISCS.items():
             length = heard(pose.compose(Pose2D(*mount))) + rng.normal(0.0, 0.01)
-            view = views.add(SonarReading(0.2 * number, disc, length), track)
+            view = views.add(DiscReading(0.2 * number, disc, length), track)
             if view is not None:
                 builder.add(view)
     return builder, grid_of_evidence(EvidenceGatherer(0.05).gathered([(key.pose, key.view) for key in builder.keys]))
