@@ -1,4 +1,4 @@
-"""Make the pictures of the console: `python tools/console_pictures.py [FOLDER]`, by default `docs/pictures`.
+"""Make the pictures of the console: `python -m tools.console_pictures [FOLDER]`, by default `docs/pictures`.
 
 It starts a team with the console and Chromium, sends a robot to a place, drives another one, and takes the pictures: in
 both themes, and at the width of a phone. It takes about a minute.
