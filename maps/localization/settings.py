@@ -54,7 +54,7 @@ class ParticleSettings:
 
 
 @dataclass(frozen=True, slots=True)
-class SearchSettings:
+class PoseSearchSettings:
     """The search of a pose in the whole map."""
 
     cell: float
@@ -120,7 +120,7 @@ class LocalizationSettings:
     field: FieldSettings
     motion: MotionNoise
     particles: ParticleSettings
-    search: SearchSettings
+    search: PoseSearchSettings
     memory: MemorySettings
     trust: TrustSettings
     odometry: OdometrySettings
