@@ -126,7 +126,7 @@ def find_plan(ground: Ground, goal: Place, tolerance: float) -> Plan | None:
 
 
 def missing_width(ground: Ground, goal: Place, tolerance: float) -> tuple[float, Place] | None:
-    """Return by how many m the robot is too wide for every way to a place, and where; None where no way is.
+    """Return by how many m the robot is too wide for every way to a place, and where; None where no gap is known.
 
     Args:
         ground: With the pose of the robot; no plan leads to the goal.
@@ -148,6 +148,8 @@ def missing_width(ground: Ground, goal: Place, tolerance: float) -> tuple[float,
     places: list[Place] = [(float(x), float(y)) for x, y in points]
     rows, columns = np.array([ground.area.cell(*place) for place in places]).T
     room = ground.clearance.distances[rows, columns]
+    if ground.area.unknown[rows, columns][room < ground.outline.width / 2.0].any():
+        return None  # a gap that nobody has looked through, as between two hits on a far wall
     return max(ground.outline.width - 2.0 * float(room.min()), most), places[int(room.argmin())]
 
 
