@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from geometry.pose import Pose2D, wrap_angle
 from maps.localization.likelihood_field import LikelihoodField, RangeCosts
 from maps.localization.motion import placed
-from maps.localization.settings import LocalizationSettings, SearchSettings, TrustSettings
+from maps.localization.settings import LocalizationSettings, PoseSearchSettings, TrustSettings
 
 Points = NDArray[np.float64]
 Poses = NDArray[np.float64]
@@ -36,7 +36,7 @@ class PoseSearch:
 
     def __init__(self, field: LikelihoodField, settings: LocalizationSettings, rng: np.random.Generator) -> None:
         self._field = field
-        self._settings: SearchSettings = settings.search
+        self._settings: PoseSearchSettings = settings.search
         self._trust: TrustSettings = settings.trust
         self._rng = rng
         self._wide = field.costs(_WIDE, settings.field.clutter)

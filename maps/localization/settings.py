@@ -54,7 +54,7 @@ class ParticleSettings:
 
 
 @dataclass(frozen=True, slots=True)
-class SearchSettings:
+class PoseSearchSettings:
     """The search of a pose in the whole map."""
 
     cell: float
@@ -66,7 +66,7 @@ class SearchSettings:
 
 
 @dataclass(frozen=True, slots=True)
-class MemorySettings:
+class ReadingMemorySettings:
     """Which readings are remembered."""
 
     keyframe: float
@@ -120,8 +120,8 @@ class LocalizationSettings:
     field: FieldSettings
     motion: MotionNoise
     particles: ParticleSettings
-    search: SearchSettings
-    memory: MemorySettings
+    search: PoseSearchSettings
+    memory: ReadingMemorySettings
     trust: TrustSettings
     odometry: OdometrySettings
 
