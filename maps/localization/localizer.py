@@ -17,7 +17,7 @@ from maps.building_map import BuildingMap
 from maps.localization.likelihood_field import LikelihoodField
 from maps.localization.memory import ReadingMemory
 from maps.localization.motion import OdometryHistory, moved, placed
-from maps.localization.odometry_errors import OdometryErrorEstimate, OdometryErrorFilter
+from maps.localization.odometry_errors import OdometryErrorFilter, SystematicErrors
 from maps.localization.particles import Particles
 from maps.localization.pose_search import FoundPose, PoseSearch
 from maps.localization.settings import LocalizationSettings, SensorTrust
@@ -63,7 +63,7 @@ class LocalizationEstimate:
     map_to_odom: Pose2D | None
     score: float
     particles: int
-    errors: OdometryErrorEstimate
+    errors: SystematicErrors
     silence: float
 
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from geometry.pose import Pose2D, wrap_angle
 from maps.localization.motion import placed
-from maps.localization.settings import MemorySettings
+from maps.localization.settings import ReadingMemorySettings
 
 Points = NDArray[np.float64]
 
@@ -29,7 +29,7 @@ class ReadingMemory:
     travel: m driven since the readings began.
     """
 
-    def __init__(self, settings: MemorySettings) -> None:
+    def __init__(self, settings: ReadingMemorySettings) -> None:
         self._settings = settings
         self._frames: deque[_Keyframe] = deque(maxlen=settings.scans)
         self._last: Pose2D | None = None

@@ -20,7 +20,7 @@ _SURE = 0.06  # m; a window begins and ends where the pose is known better than 
 
 
 @dataclass(frozen=True, slots=True)
-class OdometryErrorEstimate:
+class SystematicErrors:
     """What odometry is corrected by.
 
     distance: true m per m of odometry. turn: true rad per rad of odometry. drift: rad per m to the left that odometry
@@ -53,11 +53,11 @@ class OdometryErrorFilter:
         self._path = Pose2D()  # of odometry since the beginning of the window, in its frame
 
     @property
-    def errors(self) -> OdometryErrorEstimate:
+    def errors(self) -> SystematicErrors:
         """The present estimate."""
         distance, turn, drift = self._estimate.tolist()
         a, b, c = np.sqrt(np.diag(self._covariance)).tolist()
-        return OdometryErrorEstimate(distance, turn, drift, (a, b, c))
+        return SystematicErrors(distance, turn, drift, (a, b, c))
 
     def restart(self) -> None:
         """Begin the window anew, as after a jump of the localized pose; the estimate stays."""

@@ -66,7 +66,7 @@ class PoseSearchSettings:
 
 
 @dataclass(frozen=True, slots=True)
-class MemorySettings:
+class ReadingMemorySettings:
     """Which readings are remembered."""
 
     keyframe: float
@@ -121,7 +121,7 @@ class LocalizationSettings:
     motion: MotionNoise
     particles: ParticleSettings
     search: PoseSearchSettings
-    memory: MemorySettings
+    memory: ReadingMemorySettings
     trust: TrustSettings
     odometry: OdometrySettings
 
