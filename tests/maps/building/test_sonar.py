@@ -63,8 +63,8 @@ def test_occupied_cells_lie_on_walls_within_the_width_of_a_cone() -> None:
     made = map_of(builder.keys, with_lines=False)
     away = np.array([min(wall.distance_to(*point) for wall in WALLS) for point in made.points.tolist()])
     assert len(made.points) > 60
-    assert np.median(away) < 0.05
-    assert np.max(away) < 0.35, "half a cone wide, 1.5 m away"
+    assert np.median(away) < 0.1, "two cells"
+    assert np.max(away) < 2.5 * np.sin(CONE[-1]) + 0.05, "half a cone at the farthest echo, and a cell"
     assert made.lines == ()
 
 
