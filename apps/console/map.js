@@ -203,7 +203,7 @@ export default {
         const seen = this.world.seen[robot.name];
         if (!seen?.box) continue;
         for (const [x, y] of [[0, 1], [2, 3], [0, 3], [2, 1]]) {
-          add(...this.onMap(robot, seen.box[x] * 0.05, seen.box[y] * 0.05));
+          add(...this.onMap(robot, seen.box[x] * floor.cell, seen.box[y] * floor.cell));
         }
       }
       return box[0] === Infinity ? [-4, -4, 4, 4] : box;
@@ -328,7 +328,7 @@ export default {
         pen.save();
         this.enter(pen, robot.place);
         pen.imageSmoothingEnabled = false;
-        pen.scale(0.05, -0.05);
+        pen.scale(floor.cell, -floor.cell);
         pen.drawImage(picture.canvas, -SEEN_SIZE / 2, -SEEN_SIZE / 2);
         pen.restore();
       }

@@ -95,7 +95,7 @@ class MapFeed:
         self._cells_of: dict[str, int] = {}  # number of the scan that was last added
         self._grid: tuple[str, Sample] | None = None
         self._grid_body = b""
-        self._parts["floor"] = 1, floor.to_json()
+        self._parts["floor"] = 1, {**floor.to_json(), "cell": settings.cell_m}
         loop = asyncio.get_running_loop()
         self._subscription = agent.bus.subscribe("*/map", partial(hand_over, loop, self._hear_grid))
 
