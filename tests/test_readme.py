@@ -148,6 +148,10 @@ class Base(Agent):
     async def move(self, distance: float) -> float:
         return distance
 
+    @request("read")
+    async def read(self) -> float:
+        return 0.0
+
 
 AGENTS = COMMAND_LINE.partition("## Agents")[2].partition("## ")[0]
 AGENT_LINES = [f"acromovi {line}" for line in re.findall(r"`acromovi (.*?)`", AGENTS)]
@@ -169,6 +173,7 @@ def test_agent_commands_work_in_their_order(reader: Reader) -> None:
         "suspend": "follow@happy is suspended in workshop\n",
         "resume": "follow@happy is active in workshop\n",
         "move": "follow@happy is active in attic\n",
+        "clone": "twin@happy is active in attic\n",
         "stop": "follow@happy is deleted in attic\n",
     }
     lines = [line.split() for line in AGENT_LINES if line.startswith(WITH_PROCESSES)]
@@ -183,8 +188,8 @@ def test_agents_do_what_the_page_about_commands_asks_them(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     lines = [shlex.split(line)[1:] for line in AGENT_LINES if not line.startswith(WITH_PROCESSES)]
-    assert {line[0] for line in lines} == {"ps", "directory", "ask", "sniff", "introspect"}
-    names = {"base@happy": f"base@{robot}", "10": "0.5"}
+    assert {line[0] for line in lines} == {"ps", "directory", "ask", "send", "sniff", "introspect"}
+    names = {"base@happy": f"base@{robot}", "sonar@happy": f"base@{robot}", "10": "0.5"}
     with living(robot, Base(AgentName("base", robot))):
         for line in lines:
             assert main([names.get(word, word) for word in line]) == 0
