@@ -123,7 +123,6 @@ def _geometry(name: str, model: RobotModel) -> dict[str, Any]:
                 "x": disc.x,
                 "y": disc.y,
                 "heading": disc.heading,
-                **({"height": disc.height} if disc.height else {}),
                 "field_of_view": SONAR_CONE,
             }
             for disc in model.sonar

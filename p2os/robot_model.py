@@ -16,16 +16,12 @@ ACTIVE_LOW = 1
 
 
 class SonarDisc(NamedTuple):
-    """One sonar disc: number as in the SIP, position (m) and heading (rad) in `base_link`.
-
-    height: of a disc on a column above the floor, m; 0 for those in the hull, whose height no source gives.
-    """
+    """One sonar disc: number as in the SIP, position (m) and heading (rad) in `base_link`."""
 
     number: int
     x: float
     y: float
     heading: float
-    height: float = 0.0
 
     @property
     def array(self) -> int:
@@ -139,7 +135,7 @@ class RobotModel:
             ),
             front_bumpers=row.integer("front_bumpers"),
             rear_bumpers=row.integer("rear_bumpers"),
-            sonar=_discs(row),
+            sonar=tuple(SonarDisc(int(n), x, y, radians(heading)) for n, x, y, heading in row.rows("sonar", 4)),
             request_io_packets=row.flag("request_io_packets"),
             table_sensing_ir=row.flag("table_sensing_ir"),
             new_table_sensing_ir=row.flag("new_table_sensing_ir"),
@@ -155,15 +151,6 @@ class RobotModel:
         )
         row.finish()
         return model
-
-
-def _discs(row: "_Table") -> tuple[SonarDisc, ...]:
-    heights = row.rows("sonar_heights", 3) if row.has("sonar_heights") else ()
-    at = {number: height for first, last, height in heights for number in range(int(first), int(last) + 1)}
-    return tuple(
-        SonarDisc(int(number), x, y, radians(heading), at.get(int(number), 0.0))
-        for number, x, y, heading in row.rows("sonar", 4)
-    )
 
 
 def _laser(row: "_Table") -> LaserMount:

@@ -12,6 +12,7 @@ import threading
 import time
 from collections.abc import Callable, Iterable
 from types import FrameType
+from typing import cast
 
 from agents.platform.agent import Agent
 from agents.platform.names import AgentName
@@ -105,9 +106,13 @@ def _place(frame: FrameType) -> str:
     while inner is not None and _is_library(inner.f_code.co_filename):
         inner = inner.f_back
     frame = inner or frame
-    line = linecache.getline(frame.f_code.co_filename, frame.f_lineno).strip()
+    number = cast("int | None", frame.f_lineno)  # None where the frame is between lines
     module = frame.f_globals.get("__name__", frame.f_code.co_filename)
-    return f"{module}, line {frame.f_lineno}, in {frame.f_code.co_qualname}: {line}"
+    place = f"{module}, in {frame.f_code.co_qualname}"
+    if number is None:
+        return place
+    line = linecache.getline(frame.f_code.co_filename, number).strip()
+    return f"{module}, line {number}, in {frame.f_code.co_qualname}: {line}"
 
 
 def _is_library(file: str) -> bool:

@@ -153,16 +153,10 @@ async def _read(run: ApplicationRun, process: asyncio.subprocess.Process) -> Non
 def _in_folder(folder: Path, *, is_package: bool) -> Iterator[KnownApplication]:
     """Find files with a function `main(team)`, and in the package of the product folders with one as well."""
     for path in sorted(folder.iterdir()):
-        if path.suffix == ".py" and path.stem.isidentifier():
-            files = [path]
-        elif is_package and (path / "__init__.py").is_file() and "main" in (path / "__init__.py").read_text():
-            files = [path / "application.py", path / "__init__.py"]
-        else:
-            continue
-        for file in files:
-            if file.is_file() and (main := _main_of(file)) is not None:
-                yield _described(path.stem, main)
-                break
+        file = path if path.suffix == ".py" else path / "application.py"
+        is_found = file.is_file() and path.stem.isidentifier() and (is_package or file is path)
+        if is_found and (main := _main_of(file)) is not None:
+            yield _described(path.stem, main)
 
 
 def _main_of(file: Path) -> ast.FunctionDef | None:

@@ -175,10 +175,10 @@ class SonarRead(Data):
     """The ranges of all sonar discs, in the robot's frame.
 
     pose: of the robot, x, y and heading in odom. places_x, places_y, headings: of the discs. ranges: infinite where
-    there was no echo. heights: of discs on a column above the floor, 0 for the others; empty where there is no column.
+    there was no echo.
     """
 
-    arrays: ClassVar[frozenset[str]] = frozenset({"places_x", "places_y", "headings", "ranges", "heights"})
+    arrays: ClassVar[frozenset[str]] = frozenset({"places_x", "places_y", "headings", "ranges"})
 
     stamp: float
     pose: Pose
@@ -186,7 +186,6 @@ class SonarRead(Data):
     places_y: Floats
     headings: Floats
     ranges: Floats
-    heights: Floats = field(default_factory=lambda: np.empty(0))
 
 
 @dataclass(frozen=True, slots=True)
@@ -249,11 +248,11 @@ class ObstRead(Data):
     robot's frame. origin_x, origin_y: of each ray, in odom. end_x, end_y: the end of its free part. hits: 1 where an
     obstacle is at the end, 0 where there is none. is_dead_end: no lane leads on ahead. body_x, body_y, body_radius:
     discs in odom that may be people, until they are seen to be something else. body_moved: 1 for those that moved
-    lately. heights: of each ray's sensor, where it is on a column; empty where none is.
+    lately.
     """
 
     arrays: ClassVar[frozenset[str]] = frozenset(
-        {"origin_x", "origin_y", "end_x", "end_y", "hits", "body_x", "body_y", "body_radius", "body_moved", "heights"}
+        {"origin_x", "origin_y", "end_x", "end_y", "hits", "body_x", "body_y", "body_radius", "body_moved"}
     )
 
     stamp: float
@@ -270,7 +269,6 @@ class ObstRead(Data):
     body_y: Floats = field(default_factory=lambda: np.empty(0))
     body_radius: Floats = field(default_factory=lambda: np.empty(0))
     body_moved: Floats = field(default_factory=lambda: np.empty(0))
-    heights: Floats = field(default_factory=lambda: np.empty(0))
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,9 +5,8 @@ A true disc is also a little noisy, and now and then hears a neighbour that fire
 
 The fan is level, so that a disc hears what crosses the plane of the discs. In a world with overhangs a disc has more
 rays, which rise within the cone: it hears the edge of a table at the distances where one of them meets it (a top 0.74 m
-above the floor from 2 m on) and no longer when the robot is near. A disc on a column has rays that fall as well, close
-enough to each other to meet the edge of a table at any distance up to 1.5 m. No ray of the others points down: what
-ends below them is not heard.
+above the floor from 2 m on) and no longer when the robot is near. No ray points down: what ends below the discs is not
+heard.
 """
 
 from collections.abc import Iterator, Sequence
@@ -18,14 +17,12 @@ from geometry import Pose2D
 from p2os.robot_model import SonarDisc
 from p2os_emu.world.rays import Hit, Place
 
-HEIGHT = 0.2  # m above the floor, of the discs in a hull
+HEIGHT = 0.2  # m above the floor, of every disc
 MAX_RANGE = 5.0  # what the sound can travel there and back within the usual 40 ms of a firing
 MIN_RANGE = 0.1  # nearer surfaces read this much: the disc is still ringing
 HALF_BEAM = radians(15)
 RAYS = 7  # of a disc, 5 degrees apart
 ROWS = tuple(radians(rise) for rise in (3.75, 7.5, 11.25, 15.0))  # of rays that rise, in worlds with overhangs
-DOWN = tuple(radians(-fall) for fall in (1.2, 2.4, 3.6, 4.8, 6.0, 7.2, 8.4, 9.6, 10.8, 12.0, 13.2, 14.4))
-"""Of rays that fall, from a disc on a column in worlds with overhangs."""
 MAX_INCIDENCE = radians(55)  # between sound and surface normal; beyond, a smooth surface throws the sound away
 NOISE = 0.01  # standard deviation, of the range
 LEAST_NOISE = 0.005  # m
@@ -51,11 +48,7 @@ class SonarRays:
         """
         self._random = random
         rises = (0.0, *ROWS) if has_overhangs else (0.0,)
-        falls = DOWN if has_overhangs else ()
-        self._fans = {
-            disc.number: tuple(ray for rise in (*rises, *(falls if disc.height else ())) for ray in _fan(disc, rise))
-            for disc in discs
-        }
+        self._fans = {disc.number: tuple(ray for rise in rises for ray in _fan(disc, rise)) for disc in discs}
 
     def rays(self, numbers: Sequence[int], pose: Pose2D) -> tuple[list[Place], list[Place]]:
         """Starts and ends of the rays of discs, disc by disc, for a robot at a pose; m in the world."""
@@ -111,7 +104,6 @@ class SonarRays:
 
 def _fan(disc: SonarDisc, rise: float) -> Iterator[tuple[Place, Place]]:
     """Starts and ends of those rays of a disc that rise by an angle, in `base_link`; the cone is round."""
-    height = disc.height or HEIGHT
     half_row = sqrt(max(0.0, HALF_BEAM**2 - rise**2))
     level = cos(rise)
     for i in range(RAYS):
@@ -120,6 +112,6 @@ def _fan(disc: SonarDisc, rise: float) -> Iterator[tuple[Place, Place]]:
             continue
         c, s, up = cos(direction) * level, sin(direction) * level, sin(rise)
         yield (
-            (disc.x - SETBACK * c, disc.y - SETBACK * s, height - SETBACK * up),
-            (disc.x + MAX_RANGE * c, disc.y + MAX_RANGE * s, height + MAX_RANGE * up),
+            (disc.x - SETBACK * c, disc.y - SETBACK * s, HEIGHT - SETBACK * up),
+            (disc.x + MAX_RANGE * c, disc.y + MAX_RANGE * s, HEIGHT + MAX_RANGE * up),
         )

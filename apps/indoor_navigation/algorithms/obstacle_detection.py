@@ -52,7 +52,6 @@ def obstacles(parameters: DetectionParameters, outline: Outline, perceived: Perc
         perceived.bodies.y,
         perceived.bodies.radius,
         perceived.bodies.have_moved.astype(np.float64),
-        rays.heights if rays.heights.any() else np.empty(0),
     )
 
 

@@ -51,8 +51,7 @@ class Perceived:
     @classmethod
     def of(cls, reading: ObstRead) -> "Perceived":
         """Return what obstacle detecting perceived."""
-        heights = reading.heights if len(reading.heights) else np.zeros(len(reading.hits))
-        rays = Rays(reading.origin_x, reading.origin_y, reading.end_x, reading.end_y, reading.hits > 0.5, heights)
+        rays = Rays(reading.origin_x, reading.origin_y, reading.end_x, reading.end_y, reading.hits > 0.5)
         bodies = Bodies(reading.body_x, reading.body_y, reading.body_radius, reading.body_moved > 0.5)
         return cls(reading.stamp, reading.pose, rays, bodies)
 

@@ -1,7 +1,7 @@
 """Sonar and laser readings as rays: the origin, how far the ray is free, and whether an obstacle is at its end."""
 
 from dataclasses import dataclass
-from math import cos, sin
+from math import cos, sin, tan
 
 import numpy as np
 
@@ -9,9 +9,8 @@ from apps.indoor_navigation.data import Bools, Floats, LaserRead, Pose, SonarRea
 
 SONAR_RANGE = 3.0  # m; an echo from farther away may be anywhere in the wide cone of the disc
 HALF_CONE = 0.45  # rad between the axis of a disc and the edge of its cone
-COLUMN_CONE = 0.17  # rad beside the axis of a disc on a column where walls are in any case; legs below boards are not
+TAN_HALF_CONE = tan(HALF_CONE)
 RANGE_TOLERANCE = 0.2  # m by which a disc may measure less than the laser, for the same object
-COLUMN_TOLERANCE = 0.12  # m between the ranges of a disc on a column and of the laser, for the same wall
 MIN_WATCHING = 2  # laser rays in the cone of a disc, above which the laser looks across it
 RAY_RADIUS = 0.02  # m from a ray within which it shows whether a place is free
 
@@ -20,7 +19,7 @@ RAY_RADIUS = 0.02  # m from a ray within which it shows whether a place is free
 class Rays:
     """Arrays of one length, in odom, m, in the order of their angles.
 
-    hits: whether an obstacle is at the end. heights: of the sensor, where it is on a column; 0 for the others.
+    hits: whether an obstacle is at the end.
     """
 
     origin_x: Floats
@@ -28,13 +27,12 @@ class Rays:
     end_x: Floats
     end_y: Floats
     hits: Bools
-    heights: Floats
 
     @classmethod
     def none(cls) -> "Rays":
         """Return no rays."""
         empty = np.empty(0)
-        return cls(empty, empty, empty, empty, np.empty(0, bool), empty)
+        return cls(empty, empty, empty, empty, np.empty(0, bool))
 
     @classmethod
     def of_laser(cls, scan: LaserRead, most: int) -> "Rays":
@@ -48,7 +46,7 @@ class Rays:
         lengths = np.minimum(scan.ranges[chosen], scan.range_max)
         origin_x, origin_y = np.full(count, x), np.full(count, y)
         end_x, end_y = x + lengths * np.cos(heading + angles), y + lengths * np.sin(heading + angles)
-        return cls(origin_x, origin_y, end_x, end_y, scan.is_hit[chosen], np.zeros(count))
+        return cls(origin_x, origin_y, end_x, end_y, scan.is_hit[chosen])
 
     @classmethod
     def of_sonar(cls, sonar: SonarRead) -> "Rays":
@@ -60,13 +58,7 @@ class Rays:
         lengths = np.minimum(sonar.ranges, SONAR_RANGE)
         directions = robot_heading + sonar.headings
         end_x, end_y = x + lengths * np.cos(directions), y + lengths * np.sin(directions)
-        heights = sonar.heights if len(sonar.heights) else np.zeros(len(x))
-        return cls(x, y, end_x, end_y, sonar.ranges < SONAR_RANGE, heights)
-
-    @property
-    def half_cones(self) -> Floats:
-        """The angle beside the axis of each disc within which what the laser sees explains an echo, rad."""
-        return np.where(self.heights > 0.0, COLUMN_CONE, HALF_CONE)
+        return cls(x, y, end_x, end_y, sonar.ranges < SONAR_RANGE)
 
     @property
     def is_of_scanner(self) -> Bools:
@@ -92,19 +84,18 @@ class Rays:
             np.concatenate((self.end_x, other.end_x)),
             np.concatenate((self.end_y, other.end_y)),
             np.concatenate((self.hits, other.hits)),
-            np.concatenate((self.heights, other.heights)),
         )
 
     def where(self, chosen: Bools) -> "Rays":
         """Return the chosen rays."""
-        ends = self.end_x[chosen], self.end_y[chosen]
-        return Rays(self.origin_x[chosen], self.origin_y[chosen], *ends, self.hits[chosen], self.heights[chosen])
+        return Rays(
+            self.origin_x[chosen], self.origin_y[chosen], self.end_x[chosen], self.end_y[chosen], self.hits[chosen]
+        )
 
     def inner(self, edge: int) -> "Rays":
         """Return the rays without so many of the outermost ones on either side."""
-        is_inner = np.zeros(len(self.hits), bool)
-        is_inner[edge : max(len(self.hits) - edge, edge)] = True
-        return self.where(is_inner)
+        inner = slice(edge, max(len(self.hits) - edge, edge))
+        return Rays(self.origin_x[inner], self.origin_y[inner], self.end_x[inner], self.end_y[inner], self.hits[inner])
 
     def are_in_view(self, x: Floats, y: Floats) -> Bools:
         """Return which places a ray ends at or passes through; of what is hidden a ray shows nothing."""
@@ -123,7 +114,7 @@ class Rays:
         """Return these echoes of sonar without those that the laser explains.
 
         A disc measures the nearest object in a wide cone, for example a door frame beside the axis. Where the laser
-        hits something in the cone that is as near, the laser knows better where that is. What remains is too high or
+        hits something in the cone that is as near, the laser knows better where that is. What remains is too low or
         too transparent for the laser, or outside its view.
         """
         if not len(laser.end_x) or not len(self.end_x):
@@ -143,7 +134,7 @@ class Rays:
         part = np.where(is_explained, np.maximum(0.0, 1.0 - RANGE_TOLERANCE / np.maximum(length, RANGE_TOLERANCE)), 1.0)
         end_x = self.origin_x + part * (self.end_x - self.origin_x)
         end_y = self.origin_y + part * (self.end_y - self.origin_y)
-        return Rays(self.origin_x, self.origin_y, end_x, end_y, self.hits & ~is_seen, self.heights)
+        return Rays(self.origin_x, self.origin_y, end_x, end_y, self.hits & ~is_seen)
 
     def are_watched_by(self, laser: "Rays") -> Bools:
         """Return for which of these sonar rays the laser looks across the cone."""
@@ -157,11 +148,9 @@ class Rays:
         axis = np.arctan2(self.end_y - self.origin_y, self.end_x - self.origin_x)
         x, y = laser.end_x - self.origin_x[:, None], laser.end_y - self.origin_y[:, None]
         c, s = np.cos(axis)[:, None], np.sin(axis)[:, None]
-        is_in_cone = np.abs(c * y - s * x) <= np.tan(self.half_cones)[:, None] * (c * x + s * y)
-        # A hull's disc hears the nearest thing of those that the laser sees; one on a column only the walls among them.
-        beyond, is_high = np.hypot(x, y) - length[:, None], (self.heights > 0.0)[:, None]
-        is_as_near = np.where(is_high, np.abs(beyond) <= COLUMN_TOLERANCE, beyond <= RANGE_TOLERANCE)
-        is_seen = (is_in_cone & is_as_near & laser.hits).any(axis=1)
+        is_in_cone = np.abs(c * y - s * x) <= TAN_HALF_CONE * (c * x + s * y)
+        reach = (length + RANGE_TOLERANCE)[:, None]
+        is_seen = (is_in_cone & (x * x + y * y <= reach * reach) & laser.hits).any(axis=1)
         return np.asarray(is_seen), np.asarray(is_in_cone.sum(axis=1) > MIN_WATCHING)
 
 

@@ -15,7 +15,6 @@ class SonarMemory:
     def __init__(self, max_age: float) -> None:
         """max_age: s after which a range is ignored."""
         self._max_age = max_age
-        self.heights: Mapping[int, float] = {}  # m above the floor, of discs on a column
         self._ranges: dict[int, tuple[float, float, Pose2D]] = {}  # stamp, range, pose of the disc in odom
 
     def hear(self, stamp: float, ranges: Mapping[int, float], discs: Mapping[int, Pose2D], robot: Pose2D) -> None:
@@ -41,10 +40,9 @@ class SonarMemory:
             stamp: The present time, s since 1970.
             robot: The present pose in odom.
         """
-        numbers = [n for n in sorted(self._ranges) if abs(stamp - self._ranges[n][0]) <= self._max_age]
-        if not numbers:
+        young = [self._ranges[n] for n in sorted(self._ranges) if abs(stamp - self._ranges[n][0]) <= self._max_age]
+        if not young:
             return None
-        young = [self._ranges[n] for n in numbers]
         places = [disc.relative_to(robot) for _, _, disc in young]
         return SonarRead(
             stamp,
@@ -53,7 +51,6 @@ class SonarMemory:
             np.array([place.y for place in places]),
             np.array([place.heading for place in places]),
             np.array([distance for _, distance, _ in young]),
-            np.array([self.heights.get(n, 0.0) for n in numbers] if self.heights else []),
         )
 
     def forget(self) -> None:

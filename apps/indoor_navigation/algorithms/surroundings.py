@@ -7,7 +7,6 @@ robot must not turn as if the frame were gone.
 import numpy as np
 
 from apps.indoor_navigation.algorithms.bodies import Bodies
-from apps.indoor_navigation.algorithms.echo_places import EchoPlaces
 from apps.indoor_navigation.algorithms.perception import Perceived
 from apps.indoor_navigation.algorithms.rays import Rays, in_robot
 from apps.indoor_navigation.data import Floats, Ints, Pose
@@ -33,7 +32,6 @@ class Surroundings:
         self._last = Rays.none()
         self._is_scanned = self._last.is_of_scanner
         self._bodies = Bodies.none()
-        self._echoes = EchoPlaces()
 
     def see(self, perceived: Perceived) -> None:
         """Add what the sensors show, and remove remembered places that they show to be free."""
@@ -53,20 +51,17 @@ class Surroundings:
         chosen = _thinned(x, y, np.flatnonzero(is_kept))[-MAX_PLACES:]
         self._x, self._y, self._seen_at = x[chosen], y[chosen], seen_at[chosen]
         # Without echoes of remembered places: a door frame is beside the axis of a disc, not on it.
-        remembered = Rays(self._x, self._y, self._x, self._y, np.ones(len(self._x), bool), np.zeros(len(self._x)))
-        sonar = rays.where(~is_of_scanner)
-        echoes = sonar.where(sonar.hits).unexplained_by(scanned.followed_by(remembered))
-        self._echoes.hear(sonar, echoes.where(echoes.are_watched_by(scanned)), perceived.bodies)
-        self._last = scanned.followed_by(echoes)
+        remembered = Rays(self._x, self._y, self._x, self._y, np.ones(len(self._x), bool))
+        echoes = rays.where(~is_of_scanner & rays.hits)
+        self._last = scanned.followed_by(echoes.unexplained_by(scanned.followed_by(remembered)))
         self._is_scanned, self._bodies = self._last.is_of_scanner, perceived.bodies
 
     def places(self, pose: Pose) -> tuple[Floats, Floats]:
         """Return x and y of all obstacles within `MAX_DISTANCE`, in the frame of a robot at a pose in odom."""
         hits = self._last.hits
         body_x, body_y = self._bodies.outlines()
-        echo_x, echo_y = self._echoes.sure_places
-        x = np.concatenate((self._last.end_x[hits], self._x, echo_x, body_x))
-        y = np.concatenate((self._last.end_y[hits], self._y, echo_y, body_y))
+        x = np.concatenate((self._last.end_x[hits], self._x, body_x))
+        y = np.concatenate((self._last.end_y[hits], self._y, body_y))
         x, y = in_robot(pose, x, y)
         is_near = x * x + y * y < MAX_DISTANCE * MAX_DISTANCE
         return x[is_near], y[is_near]

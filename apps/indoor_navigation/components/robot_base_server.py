@@ -185,7 +185,7 @@ class RobotBaseServer(Component):
         await self._is_there.wait()
         try:
             description = await self.query(keys.DESCRIPTION.key(self.robot), {}, DESCRIPTION_TIMEOUT)
-            self._about, self._discs, self._sonar.heights = _described(description)
+            self._about, self._discs = _described(description)
         except BusUnavailable:
             raise
         except (TimeoutError, Refused, LookupError, TypeError, ValueError) as err:
@@ -226,8 +226,8 @@ class RobotBaseServer(Component):
         return asyncio.get_running_loop().time()
 
 
-def _described(description: Mapping[str, Any]) -> tuple[dict[str, Any], dict[int, Pose2D], dict[int, float]]:
-    """Return what the navigation needs of a robot's description, the poses of its sonar discs, and heights on a column.
+def _described(description: Mapping[str, Any]) -> tuple[dict[str, Any], dict[int, Pose2D]]:
+    """Return what the navigation needs of a robot's description, and the poses of its sonar discs.
 
     Raises:
         LookupError, TypeError, ValueError: The description is invalid.
@@ -243,5 +243,4 @@ def _described(description: Mapping[str, Any]) -> tuple[dict[str, Any], dict[int
         "limits": {name: float(description["limits"][name]) for name in ("linear", "angular", "deceleration")},
     }
     discs = {int(disc["number"]): Pose2D(disc["x"], disc["y"], disc["heading"]) for disc in size["sonar"]}
-    heights = {int(disc["number"]): float(disc["height"]) for disc in size["sonar"] if disc.get("height")}
-    return about, discs, heights
+    return about, discs

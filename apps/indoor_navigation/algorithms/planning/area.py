@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from apps.indoor_navigation.data import Bools, Floats, Place
 
 Evidence = NDArray[np.int8]
+Singles = NDArray[np.float32]
 
 OCCUPIED = 2  # evidence from which on a cell has an obstacle
 PASSED = -1  # evidence after one ray has passed; a cell is free at or below
@@ -20,7 +21,8 @@ class Area(NamedTuple):
 
     evidence: of the laser, and of sonar where no laser looks. first_hit: s, or NEVER, or PASSABLE. fixed: cells of
     walls: hit for some time and never free before. hit_at: s of the last hit. theirs_at: s when a walking person was
-    there last. echo: cells of what sonar hears and the laser sees through. body: cells of what may be a person now.
+    there last. echo: evidence of what sonar hears and the laser sees through. heard_from: direction of the disc that
+    heard it last, from the cell, rad in odom. body: cells of what may be a person now.
     """
 
     x: float
@@ -31,7 +33,8 @@ class Area(NamedTuple):
     fixed: Bools
     hit_at: Floats
     theirs_at: Floats
-    echo: Bools
+    echo: Evidence
+    heard_from: Singles
     body: Bools
 
     @classmethod
@@ -40,18 +43,19 @@ class Area(NamedTuple):
         long_ago = np.full(evidence.shape, -np.inf)
         never = np.full(evidence.shape, NEVER)
         fixed = evidence >= OCCUPIED
-        silent, nobody = np.zeros((2, *evidence.shape), bool)
-        return cls(x, y, resolution, evidence, never, fixed, long_ago, long_ago.copy(), silent, nobody)
+        silent, unheard = np.zeros(evidence.shape, np.int8), np.zeros(evidence.shape, np.float32)
+        nobody = np.zeros(evidence.shape, bool)
+        return cls(x, y, resolution, evidence, never, fixed, long_ago, long_ago.copy(), silent, unheard, nobody)
 
     @property
     def occupied(self) -> Bools:
         """Cells with an obstacle."""
-        return (self.evidence >= OCCUPIED) | self.echo | self.body
+        return (self.evidence >= OCCUPIED) | (self.echo >= OCCUPIED) | self.body
 
     @property
     def walls(self) -> Bools:
         """Cells with an obstacle that is not expected to go away; what the laser sees through is glass, no person."""
-        return (self.occupied & self.fixed) | self.echo
+        return (self.occupied & self.fixed) | (self.echo >= OCCUPIED)
 
     @property
     def staying(self) -> Bools:
@@ -85,6 +89,7 @@ class Area(NamedTuple):
             self.hit_at[here],
             self.theirs_at[here],
             self.echo[here],
+            self.heard_from[here],
             self.body[here],
         )
 

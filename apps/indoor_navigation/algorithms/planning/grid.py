@@ -5,20 +5,21 @@ is forgotten at once, and a room may change. An obstacle where the floor was fre
 that was seen only for a short time, because a walking person is also seen somewhere for the first time. A walking
 person who leaves the view is taken to have walked on.
 
-What sonar hears and the laser sees through, such as glass, is remembered apart.
+What sonar hears and the laser sees through, such as glass, is remembered apart: a laser ray that passes shows nothing
+of it. It stays until a disc listens from a similar direction and no longer hears it. From another direction a smooth
+surface reflects the sound elsewhere.
 """
 
 from dataclasses import dataclass
-from math import ceil, cos
+from math import ceil, cos, tan
 from typing import NamedTuple
 
 import numpy as np
 
 from apps.indoor_navigation.algorithms.bodies import Bodies
-from apps.indoor_navigation.algorithms.echo_places import HIGH_REACH, EchoPlaces
 from apps.indoor_navigation.algorithms.perception import Perceived
-from apps.indoor_navigation.algorithms.planning.area import NEVER, OCCUPIED, PASSABLE, PASSED, Area
-from apps.indoor_navigation.algorithms.rays import Rays
+from apps.indoor_navigation.algorithms.planning.area import NEVER, OCCUPIED, PASSABLE, PASSED, Area, Singles
+from apps.indoor_navigation.algorithms.rays import HALF_CONE, Rays
 from apps.indoor_navigation.data import Bools, Floats, Ints, ObstRead, Place
 
 HIT = 2  # evidence that a reading adds to a cell that a ray hits; it adds PASSED where a ray passes
@@ -26,8 +27,12 @@ SURELY_FREE = -3  # evidence of a cell that is not a wall, whatever stands there
 MAX_EVIDENCE, MIN_EVIDENCE = 8, -4  # so a few rays change a cell
 MARGIN = 5.0  # m that the area grows beyond the need, since each growth copies it
 WALKER_TIME = 0.5  # s after a person was at a place during which a hit there belongs to the person
-ECHO_DEPTH = 0.15  # m between an echo and the obstacle that it comes from
+ECHO, MAX_ECHO = 2, 6  # evidence of an echo that the laser sees through, and the most of it
+SIMILAR = 0.4  # rad between two directions from which a disc hears the same surfaces
+NARROW_CONE = 0.26  # rad beside the axis of a disc within which it hears what is there
+ECHO_DEPTH = 0.15  # m before the end of a sonar ray that are free for certain
 SONAR_MOUNT = 0.6  # m, the farthest that a disc is from the middle of a robot
+BESIDE_BODY = 0.2  # m about a body within which an echo is the body's
 STRIDE = 0.7  # of a cell, between two places of a ray that passes, so that no cell in its middle is left out
 SEAM_PARTS = 12  # of the seam between two hits; at most 5 cm each, the edge of a cell
 MAX_GAP = 0.04  # rad between two rays of a scan with nothing between their ends but what one of them hits
@@ -62,7 +67,6 @@ class Grid:
 
     def forget(self) -> None:
         """Clear the grid."""
-        self._echoes = EchoPlaces()
         self.area = Area.of(0.0, 0.0, self._parameters.resolution, np.zeros((0, 0), np.int8))
 
     def include(self, place: Place, margin: float = 0.0) -> bool:
@@ -93,6 +97,7 @@ class Grid:
             np.pad(area.hit_at, pad, constant_values=-np.inf),
             np.pad(area.theirs_at, pad, constant_values=-np.inf),
             np.pad(area.echo, pad),
+            np.pad(area.heard_from, pad),
             np.pad(area.body, pad),
         )
         return True
@@ -121,7 +126,11 @@ class Grid:
         free = changed[evidence[changed] <= SURELY_FREE]
         self._put_bodies(perceived.bodies, reading.stamp)
         self._date(changed[votes[changed] == HIT], free, reading.stamp)
-        self._hear(sonar, sonar.where(is_watched), perceived)
+        self._hear(
+            _BelievedRays.of(sonar, self._parameters),
+            _BelievedRays.of(sonar.where(is_watched), self._parameters),
+            perceived,
+        )
         self._let_go(area.around(reading.pose[:2], margin=self._parameters.reach), reading.stamp)
 
     def take_for_walls(self, x: float, y: float, radius: float) -> None:
@@ -132,8 +141,7 @@ class Grid:
     def doubt(self, x: float, y: float, radius: float) -> None:
         """Clear the cells within a radius, m."""
         part = self.area.around((x, y), margin=radius)
-        part.evidence[:] = 0
-        self._echoes.forget_near((x, y), radius)
+        part.evidence[:], part.echo[:] = 0, 0
         part.first_hit[:], part.fixed[:] = NEVER, False
 
     def _date(self, hit: Ints, free: Ints, stamp: float) -> None:
@@ -160,20 +168,33 @@ class Grid:
                 part.theirs_at[is_within] = stamp
                 part.first_hit[is_within & ~part.fixed] = PASSABLE
 
-    def _hear(self, sonar: Rays, watched: Rays, perceived: Perceived) -> None:
+    def _hear(self, sonar: "_BelievedRays", watched: "_BelievedRays", perceived: Perceived) -> None:
         """Update what sonar hears and the laser sees through.
 
-        An obstacle of the grid in the cone explains an echo, such as the frame of a door that the laser has seen.
+        An echo comes from somewhere in a wide cone. Where another disc hears that a place is free, it is not there. And
+        it is explained by an obstacle of the grid in the cone, such as the frame of a door that the laser has seen.
 
         Args:
             sonar: All sonar rays.
             watched: Those where the laser looks.
             perceived: With bodies, whose echoes are not those of glass.
         """
-        near = self.area.around(perceived.pose[:2], margin=HIGH_REACH + SONAR_MOUNT)
-        self._echoes.hear(sonar, watched.where(~_are_explained(watched, near)), perceived.bodies)
-        self.area.echo[:] = False
-        self.area.echo.reshape(-1)[self._flat(*self._echoes.places)] = True
+        near = self.area.around(perceived.pose[:2], margin=self._parameters.lone_reach + SONAR_MOUNT)
+        rows, columns = near.echo.nonzero()
+        x = np.asarray(near.x + (columns + 0.5) * near.resolution, np.float64)
+        y = np.asarray(near.y + (rows + 0.5) * near.resolution, np.float64)
+        silent = sonar.are_silent(x, y, near.heard_from[rows, columns])
+        near.echo[rows[silent], columns[silent]] += PASSED
+        bodies, hits = perceived.bodies, watched.hits
+        x, y = watched.end_x[hits], watched.end_y[hits]
+        directions = np.arctan2(-watched.sines[hits], -watched.cosines[hits])
+        apart = np.hypot(x[:, None] - bodies.x, y[:, None] - bodies.y) - bodies.radius
+        is_there = (apart.min(axis=1, initial=np.inf) > BESIDE_BODY) & ~sonar.are_silent(x, y, directions)
+        is_there &= ~watched.are_explained(near)[hits]
+        for each_x, each_y, direction in zip(x[is_there], y[is_there], directions[is_there], strict=True):
+            row, column = self.area.cell(each_x, each_y)
+            self.area.echo[row, column] = min(self.area.echo[row, column] + ECHO, MAX_ECHO)
+            self.area.heard_from[row, column] = direction
 
     def _let_go(self, near: Area, stamp: float) -> None:
         """Remove walking people who are out of view."""
@@ -230,6 +251,33 @@ class _BelievedRays(NamedTuple):
             rays.hits[sound] & (lengths <= reach),
         )
 
+    def are_explained(self, area: Area) -> Bools:
+        """Return which sonar rays end as far away as an obstacle that the laser has seen somewhere in the cone."""
+        rows, columns = np.nonzero(area.evidence >= OCCUPIED)
+        x, y = area.x + (columns + 0.5) * area.resolution, area.y + (rows + 0.5) * area.resolution
+        from_x, from_y = x - self.origin_x[:, None], y - self.origin_y[:, None]
+        along = self.cosines[:, None] * from_x + self.sines[:, None] * from_y
+        away = np.hypot(from_x, from_y)
+        is_in_cone = along > cos(HALF_CONE) * away
+        return np.asarray((is_in_cone & (np.abs(away - self.lengths[:, None]) < ECHO_DEPTH)).any(axis=1))
+
+    def are_silent(self, x: Floats, y: Floats, heard_from: Floats | Singles) -> Bools:
+        """Return at which places a disc hears nothing that listens from where they were heard.
+
+        Args:
+            x, y: The places in odom, m.
+            heard_from: Directions to the discs that heard them, rad.
+        """
+        if not len(x) or not len(self.lengths):
+            return np.zeros(len(x), bool)
+        from_x, from_y = x - self.origin_x[:, None], y - self.origin_y[:, None]
+        c, s = self.cosines[:, None], self.sines[:, None]
+        along, across = c * from_x + s * from_y, np.abs(c * from_y - s * from_x)
+        is_free = (along > 0.0) & (across <= tan(NARROW_CONE) * along)
+        is_free &= np.hypot(from_x, from_y) < (self.lengths - np.where(self.hits, ECHO_DEPTH, 0.0))[:, None]
+        is_free &= np.cos(np.arctan2(-s, -c) - heard_from) > cos(SIMILAR)
+        return np.asarray(is_free.any(axis=0))
+
     @property
     def between(self) -> "_BelievedRays":
         """A ray between each two of a scan, as long as the shorter one, because cells are smaller than gaps."""
@@ -243,20 +291,6 @@ class _BelievedRays(NamedTuple):
         lengths = np.minimum(self.lengths[first], self.lengths[second])
         hits = self.hits[first] | self.hits[second]
         return _BelievedRays(x, y, x + lengths * cosines, y + lengths * sines, cosines, sines, lengths, hits)
-
-
-def _are_explained(sonar: Rays, area: Area) -> Bools:
-    """Return which sonar rays end as far away as an obstacle that the laser has seen somewhere in the cone."""
-    along_x, along_y = sonar.end_x - sonar.origin_x, sonar.end_y - sonar.origin_y
-    lengths = np.hypot(along_x, along_y)[:, None]
-    rows, columns = np.nonzero(area.evidence >= OCCUPIED)
-    x, y = area.x + (columns + 0.5) * area.resolution, area.y + (rows + 0.5) * area.resolution
-    from_x, from_y = x - sonar.origin_x[:, None], y - sonar.origin_y[:, None]
-    away = np.hypot(from_x, from_y)
-    is_in_cone = (
-        along_x[:, None] * from_x + along_y[:, None] * from_y > np.cos(sonar.half_cones)[:, None] * away * lengths
-    )
-    return np.asarray((is_in_cone & (np.abs(away - lengths) < ECHO_DEPTH)).any(axis=1))
 
 
 def _seams(x: Floats, y: Floats) -> tuple[Floats, Floats]:
