@@ -42,7 +42,7 @@ def scan(pose: Pose2D, lines: list[tuple[float, ...]]) -> Floats:
     for x1, y1, x2, y2 in lines:
         along = np.array((x2 - x1, y2 - y1))
         start = np.array((x1 - laser.x, y1 - laser.y))
-        with np.errstate(divide="ignore", invalid="ignore"):
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):  # parallel to a beam
             cross = ways[:, 0] * along[1] - ways[:, 1] * along[0]
             away = (start[0] * along[1] - start[1] * along[0]) / cross
             share = (start[0] * ways[:, 1] - start[1] * ways[:, 0]) / cross
@@ -88,7 +88,7 @@ def drive(start: Pose2D = START, expected: Pose2D = DOCK, **given: bool) -> Driv
     return Drive(start, DockingCycle(SETTINGS, expected, HULL, **given), segments())
 
 
-@settings(max_examples=50)
+@settings(max_examples=25)
 @given(
     away=st.floats(0.5, 1.8),
     aside=st.floats(-0.4, 0.4),
