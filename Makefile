@@ -6,9 +6,8 @@ DEMO   := $(VENV)/.demo
 READY  := $(VENV)/.ready
 SEEN   := $(VENV)/.collected
 
-# Tests wait for processes more than they reckon: on two idle cores a worker keeps 0.4 of a core busy. With five for two
-# cores hardly any time is left over, with four it was a fifth.
-WORKERS := $(shell expr $$(nproc) + 3)
+# Tests wait for processes more than they reckon, so there is room for more at a time than there are cores.
+WORKERS := $(shell expr $$(nproc) + 2)
 PYTEST  := $(BIN)/pytest -n $(WORKERS) --dist loadscope
 
 # Caches stay in this folder too. Bytecode is one of them: hundreds of processes begin in the tests, and each of them would
