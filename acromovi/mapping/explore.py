@@ -6,9 +6,10 @@ from typing import TYPE_CHECKING, Any
 
 from acromovi.mapping.grids import LiveGrids
 from acromovi.navigation.components import USER_INTERFACE, RunningNavigation
-from agents.platform.errors import RequestNotDone
+from agents.platform.errors import AgentError, RequestNotDone
 from bus import keys
 from bus.bus import Bus
+from bus.errors import BusError
 from geometry import Point, Pose2D
 from maps.building.exploring import Explorer, ExploringOrder, MissionStanding, RobotSight
 from maps.building.merging import NoOverlap, placed
@@ -80,7 +81,7 @@ class ExploringTeam:
     async def cancel(self) -> None:
         """Cancel what robots do; a robot whose navigation does not answer stops at the end of its mission."""
         for robot in list(self._missions):
-            with suppress(Exception):
+            with suppress(AgentError, BusError):  # it cannot be reached; the others are cancelled all the same
                 await self._send(robot, ExploringOrder(None))
 
     async def _mission(self, robot: str) -> MissionStanding:
@@ -129,14 +130,12 @@ class ExploringTeam:
         loop = asyncio.get_running_loop()
         for robot in others:
             ours, theirs = BuildingMap(grid=sights[first].grid), BuildingMap(grid=sights[robot].grid)
-            with suppress(NoOverlap):
+            with suppress(NoOverlap):  # not yet; it is tried again after the next period
                 self._frames[robot] = (await loop.run_in_executor(None, placed, ours, theirs)).pose
 
 
 def _half_width(bus: Bus, robot: str) -> float:
     """Half the width of a robot, m, by its description."""
-    from bus import BusError
-
     try:
         geometry = bus.query(keys.DESCRIPTION.key(robot))[0].value["geometry"]
         return float(geometry["width"]) / 2.0

@@ -135,7 +135,7 @@ class MapFeed:
                 await browser.receive_text()
                 begun = time.monotonic()
                 if self._number <= sent.number:
-                    with suppress(TimeoutError):
+                    with suppress(TimeoutError):  # the reply tells that nothing has moved
                         async with asyncio.timeout(self._settings.wait_s):
                             await self._moved.wait()
                 await browser.send_bytes(self._reply(sent, time.monotonic() - begun))

@@ -114,7 +114,7 @@ class SnifferFeed:
                 while is_open():
                     number = _number_in(await browser.receive_text())
                     if number == self.log.number:
-                        with suppress(TimeoutError):
+                        with suppress(TimeoutError):  # the reply tells that nothing has come
                             async with asyncio.timeout(_WAIT):
                                 await self._came.wait()
                     found, left_out = self.log.after(number)

@@ -56,5 +56,5 @@ def test_the_page_can_be_followed(
     (program,) = files("recording", "python")
     names: dict[str, object] = {}
     exec(program, names)
-    published = names["publisher"].published  # type: ignore[attr-defined]
+    published = names["publisher"].published  # type: ignore[attr-defined]  # of the page
     assert published > 5

@@ -54,7 +54,7 @@ def drive(path: Path, seconds: float = 4.0, robot: str = "happy", **options: int
     Returns:
         The files.
     """
-    writer = RecordingWriter(path, "test", **options)  # type: ignore[arg-type]
+    writer = RecordingWriter(path, "test", **options)  # type: ignore[arg-type]  # mixed options
     writer.add_token(f"{robot}/alive", True, START)
     writer.add_description(f"{robot}/description", {"model": "p3dx-sh", "emulated": True}, START)
     for step in range(int(seconds * 10)):

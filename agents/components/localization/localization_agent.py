@@ -76,7 +76,7 @@ class LocalizationAgent(ElementAgent):
         self._end()
 
     @request("start", agrees_itself=True)
-    async def start(self, map: str, pose: Any = "home", settings: str = "") -> dict[str, Any]:  # noqa: A002
+    async def start(self, map: str, pose: Any = "home", settings: str = "") -> dict[str, Any]:  # noqa: A002  # the word of the request
         """Localize the robot on a map; a localization that is under way is replaced.
 
         map: file .map or .yaml, on the machine of this agent. pose: `home` (RobotHome of the map), `unknown`, or a list

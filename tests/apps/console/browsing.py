@@ -70,7 +70,7 @@ class ConsoleTab:
         def drives() -> bool:
             if self.page.get_by_role("button", name="Release control").count():
                 return True
-            with suppress(NotFound):
+            with suppress(NotFound):  # it is drawn anew just now; the next look finds it
                 self.page.get_by_role("button", name="Take control").first.click(timeout=SHOWN * 1e3)
             return False
 
