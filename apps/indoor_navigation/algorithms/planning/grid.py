@@ -68,6 +68,7 @@ class Grid:
     def forget(self) -> None:
         """Clear the grid."""
         self.area = Area.of(0.0, 0.0, self._parameters.resolution, np.zeros((0, 0), np.int8))
+        self._has_walkers = False  # whether anything has moved; most of the time nothing has
 
     def include(self, place: Place, margin: float = 0.0) -> bool:
         """Extend the area to a place with a margin, m; return False, without a change, where it would be too large."""
@@ -120,7 +121,7 @@ class Grid:
         votes[passed] = PASSED
         votes[kept] = 0
         votes[hits] = HIT
-        changed = np.flatnonzero(votes)
+        changed = np.flatnonzero(votes != 0)  # numpy finds flags ten times as fast as numbers
         evidence = area.evidence.reshape(-1)
         evidence[changed] = np.clip(evidence[changed] + votes[changed], MIN_EVIDENCE, MAX_EVIDENCE)
         free = changed[evidence[changed] <= SURELY_FREE]
@@ -131,7 +132,8 @@ class Grid:
             _BelievedRays.of(sonar.where(is_watched), self._parameters),
             perceived,
         )
-        self._let_go(area.around(reading.pose[:2], margin=self._parameters.reach), reading.stamp)
+        if self._has_walkers:
+            self._let_go(area.around(reading.pose[:2], margin=self._parameters.reach), reading.stamp)
 
     def take_for_walls(self, x: float, y: float, radius: float) -> None:
         """Count the obstacles within a radius, m, as walls, because they have not gone away."""
@@ -165,6 +167,7 @@ class Grid:
             is_within = np.hypot(across, along) <= radius
             part.body[is_within] = True
             if has_moved:
+                self._has_walkers = True
                 part.theirs_at[is_within] = stamp
                 part.first_hit[is_within & ~part.fixed] = PASSABLE
 
@@ -180,7 +183,7 @@ class Grid:
             perceived: With bodies, whose echoes are not those of glass.
         """
         near = self.area.around(perceived.pose[:2], margin=self._parameters.lone_reach + SONAR_MOUNT)
-        rows, columns = near.echo.nonzero()
+        rows, columns = np.nonzero(near.echo != 0)
         x = np.asarray(near.x + (columns + 0.5) * near.resolution, np.float64)
         y = np.asarray(near.y + (rows + 0.5) * near.resolution, np.float64)
         silent = sonar.are_silent(x, y, near.heard_from[rows, columns])
@@ -253,6 +256,8 @@ class _BelievedRays(NamedTuple):
 
     def are_explained(self, area: Area) -> Bools:
         """Return which sonar rays end as far away as an obstacle that the laser has seen somewhere in the cone."""
+        if not len(self.lengths):
+            return np.zeros(0, np.bool_)
         rows, columns = np.nonzero(area.evidence >= OCCUPIED)
         x, y = area.x + (columns + 0.5) * area.resolution, area.y + (rows + 0.5) * area.resolution
         from_x, from_y = x - self.origin_x[:, None], y - self.origin_y[:, None]

@@ -8,7 +8,7 @@ from math import atan2, cos, hypot, inf, sin
 from apps.indoor_navigation.algorithms.planning.area import Area
 from apps.indoor_navigation.algorithms.planning.doors_map import thinned
 from apps.indoor_navigation.algorithms.planning.ground import Ground
-from apps.indoor_navigation.algorithms.planning.lattice import find_plan, missing_width, turn_piece
+from apps.indoor_navigation.algorithms.planning.lattice import PlanSearch, missing_width, turn_piece
 from apps.indoor_navigation.algorithms.planning.memory import Memory, MemoryParameters
 from apps.indoor_navigation.algorithms.planning.plan import Motion, Plan, PlanPiece
 from apps.indoor_navigation.algorithms.planning.search import Way, length, way_aside
@@ -27,6 +27,8 @@ REACHED = 0.1  # m before the end of a piece where it counts as driven
 FACING = 0.12  # rad off the end of a turn where it counts as turned
 OFF_PLAN = 0.5  # m off the plan from which on it is no use
 ASIDE_TOLERANCE = 0.2  # m from a place aside
+SEARCH_AGAIN = 2.0  # s after a search without a result; it takes far longer than one that finds a way
+CHEAPER = 0.5  # m that the estimated cost must have decreased by, for a search before that time
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,6 +67,7 @@ class Guide:
         self._goal = goal
         self._plan: Plan | None = None
         self._near: Ground | None = None
+        self._failed: tuple[float, float] | None = None  # estimate and s of the last search, if it found no way
 
     @property
     def plan(self) -> Plan:
@@ -130,7 +133,15 @@ class Guide:
 
     def look(self, now: float, budget: float = inf) -> float | None:
         """Plan a way, and take it if it costs no more than the budget; return its length, m, or None."""
-        return self._look(self._survey(now), budget)
+        ground = self._survey(now)
+        search = self._search(ground)
+        if self._failed is not None:
+            estimate, at = self._failed
+            if now < at + SEARCH_AGAIN and search.estimate > estimate - CHEAPER:
+                return None
+        plan = search.find()
+        self._failed = (search.estimate, now) if plan is None else None
+        return self._take(plan, ground, budget)
 
     def look_for_better(self, now: float) -> None:
         """Take a way that is clearly cheaper than the present one, or any way if the present one is of no use."""
@@ -139,12 +150,12 @@ class Guide:
         nearest = plan.poses[: 2 * NEXT_POSES, :2] - self._memory.place
         is_off = float(abs(nearest).max(axis=1).min()) > OFF_PLAN
         is_use = present < BARRED and not plan.beyond and not is_off
-        self._look(ground, present * self._parameters.better if is_use else inf)
+        self._take(self._search(ground).find(), ground, present * self._parameters.better if is_use else inf)
 
     def look_hoping(self, now: float) -> float | None:
         """Plan a way through obstacles that may go away, up to the first one; return its distance, m, or None."""
         ground, hoping = self._survey(now), self._survey(now, _walls, self._parameters.memory.cost.hope)
-        plan = self._find(hoping)
+        plan = self._search(hoping).find()
         barred = plan.first_barred(ground) if plan is not None else None
         if plan is None or barred is None:
             return None
@@ -162,7 +173,7 @@ class Guide:
         memory, ahead = self._memory, (*self.points, *self._beyond)
         came = thinned(memory.trail[-TRAIL_POINTS:])
         way = way_aside(memory.survey_flat(), memory.place, (came, ahead), barred, memory.half_width)
-        plan = find_plan(memory.survey_near(), way[-1], ASIDE_TOLERANCE) if way is not None else None
+        plan = PlanSearch(memory.survey_near(), way[-1], ASIDE_TOLERANCE).find() if way is not None else None
         if way is None or plan is None:
             return False
         self._plan = Plan(plan.pieces, (*reversed(way), *ahead[1:]))
@@ -275,11 +286,11 @@ class Guide:
         assert ground is not None  # `is_too_far` was asked before
         return ground
 
-    def _find(self, ground: Ground) -> Plan | None:
-        return find_plan(ground, self.goal, TOLERANCE_PART * self._goal.tolerance)
+    def _search(self, ground: Ground) -> PlanSearch:
+        return PlanSearch(ground, self.goal, TOLERANCE_PART * self._goal.tolerance)
 
-    def _look(self, ground: Ground, budget: float) -> float | None:
-        plan = self._find(ground)
+    def _take(self, plan: Plan | None, ground: Ground, budget: float) -> float | None:
+        """Take a plan if it costs no more than the budget; return its length, m, or None."""
         if plan is None or plan.cost(ground) > budget:
             return None
         self._plan = plan

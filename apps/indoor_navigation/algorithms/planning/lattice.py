@@ -27,7 +27,7 @@ from apps.indoor_navigation.data import Bools, Floats, Ints, Place, Pose
 HEADINGS = 48  # of cells; a straight line is at most 3.75 degrees from one of them
 CELL = 0.1  # m, edge of a cell of places
 SPACING = 0.15  # m between two poses that are checked, and in turns rad
-STEP_COST = 0.15  # of the estimate, within which poses are handled together
+STEP_COST = 0.4  # of the estimate, within which poses are handled together
 MAX_POSES = 50_000  # of a search; plans through offices need a few thousand
 WIDTH_STEP = 0.02  # m, to which the width is found that the robot would have to lack
 BETTER = 1e-3  # of costs, by which another way to a cell must be cheaper
@@ -42,13 +42,15 @@ BEND_COST = 0.25  # m, of a bend by 1 rad: the robot is slower there
 class _Moves(NamedTuple):
     """The motions that are tried from each pose.
 
-    motions, kinds: of each move; kinds are numbers of motions. fixed: cost of each. ends: index of its last sample.
-    along, aside, turn: of each sample, relative to the pose that it begins at. weights: of each sample, m.
+    motions, kinds: of each move; kinds are numbers of motions. fixed: cost of each. lengths: sums of its weights.
+    starts, ends: indices of its first and last sample. along, aside, turn: of each sample, relative to the pose that it
+    begins at. weights: of each sample, m.
     """
 
     motions: tuple[Motion, ...]
     kinds: Ints
     fixed: Floats
+    lengths: Floats
     starts: Ints
     ends: Ints
     along: Floats
@@ -85,8 +87,10 @@ def _moves() -> _Moves:
     ends = counts.cumsum() - 1
     along, aside, turn = (np.concatenate([each[number] for each in samples]) for number in range(3))
     weights = np.repeat([each[3] for each in samples], counts)
+    starts = ends - counts + 1
     kinds = np.array([KINDS.index(motion) for motion in motions])
-    return _Moves(tuple(motions), kinds, np.array(fixed), ends - counts + 1, ends, along, aside, turn, weights)
+    lengths = np.add.reduceat(weights, starts)
+    return _Moves(tuple(motions), kinds, np.array(fixed), lengths, starts, ends, along, aside, turn, weights)
 
 
 MOVES = _moves()
@@ -110,19 +114,6 @@ class _Poses:
         self.parent[here], self.move[here], self.cell[here] = parent[:fit], move[:fit], cell[:fit]
         self.count = here.stop
         return np.arange(here.start, here.stop)
-
-
-def find_plan(ground: Ground, goal: Place, tolerance: float) -> Plan | None:
-    """Return the cheapest plan from the robot's pose to a place; None where there is none.
-
-    Args:
-        ground: With the pose of the robot; the goal must be within its area.
-        goal: In odom.
-        tolerance: m from it where the plan may end.
-    """
-    search = _Search(ground, goal, tolerance)
-    last = search.run()
-    return None if last is None else search.plan(last)
 
 
 def missing_width(ground: Ground, goal: Place, tolerance: float) -> tuple[float, Place] | None:
@@ -166,8 +157,17 @@ def turn_piece(ground: Ground, heading: float) -> PlanPiece:
     return min(pieces, key=lambda piece: Plan((piece,)).cost(ground))
 
 
-class _Search:
+class PlanSearch:
+    """The search of one plan. estimate: of its cost from the robot's pose, never more than GREED times as much."""
+
     def __init__(self, ground: Ground, goal: Place, tolerance: float) -> None:
+        """Prepare the search.
+
+        Args:
+            ground: With the pose of the robot; the goal must be within its area.
+            goal: In odom.
+            tolerance: m from it where the plan may end.
+        """
         self._ground = ground
         self._goal, self._tolerance = goal, max(tolerance, 0.75 * CELL)
         flat = ground.flat()
@@ -182,12 +182,17 @@ class _Search:
         row, column, cell = self._cells(x, y, heading)
         self._poses = _Poses(ground.robot, int(cell[0]))
         self._best[cell] = 0.0
-        self._start = GREED * self._left[row, column]
+        self.estimate = GREED * float(self._left[row[0], column[0]])
 
-    def run(self) -> int | None:
+    def find(self) -> Plan | None:
+        """Return the cheapest plan; None where there is none."""
+        last = self._run()
+        return None if last is None else self._plan(last)
+
+    def _run(self) -> int | None:
         """Return the number of the last pose of the cheapest plan; None where there is none."""
         poses = self._poses
-        waiting, estimate = np.zeros(1, np.intp), self._start
+        waiting, estimate = np.zeros(1, np.intp), np.array([self.estimate])
         while len(waiting) and poses.count < MAX_POSES and np.isfinite(estimate.min()):
             is_next = estimate <= estimate.min() + STEP_COST
             taken, waiting = waiting[is_next], waiting[~is_next]
@@ -207,20 +212,21 @@ class _Search:
     def _expanded(self, taken: Ints) -> tuple[Ints, Floats]:
         """Add the poses that moves lead to, and return their numbers and the estimated costs of plans over them."""
         poses, moves = self._poses, MOVES
-        x, y, heading = self._sampled(taken)
-        costs = self._ground.costs(x, y, heading)
-        spent = np.add.reduceat(costs * moves.weights, moves.starts, axis=1) + moves.fixed
-        is_free = np.maximum.reduceat(costs, moves.starts, axis=1) < BARRED
         before = np.where(poses.move[taken] < 0, -1, moves.kinds[poses.move[taken]])[:, None]
-        spent = spent + np.where((before != moves.kinds) & (before >= 0), STOP_COST, 0.0)
-        total = (poses.cost[taken, None] + spent)[is_free]
-        of, move = np.nonzero(is_free)
-        end = moves.ends[move]
-        x, y, heading = x[of, end], y[of, end], heading[of, end]
+        spent = moves.fixed + np.where((before != moves.kinds) & (before >= 0), STOP_COST, 0.0)
+        spent = poses.cost[taken, None] + spent
+        x, y, heading = self._reached(taken[:, None], moves.ends)
         row, column, cell = self._cells(x, y, heading)
-        left = self._left[row, column]
+        # A metre costs 1 at least. Most moves lead to cells that are known to be reached for less than that.
+        is_worth = (spent + moves.lengths < self._best[cell] - BETTER) & np.isfinite(self._left[row, column])
+        of, move = np.nonzero(is_worth)
+        dear, is_free = self._driven(taken[of], move)
+        of, move = of[is_free], move[is_free]
+        total = spent[of, move] + dear[is_free]
+        x, y, heading = x[of, move], y[of, move], heading[of, move]
+        row, column, cell = row[of, move], column[of, move], cell[of, move]
         order = np.argsort(total, kind="stable")
-        order = order[(total < self._best[cell] - BETTER)[order] & np.isfinite(left[order])]
+        order = order[(total < self._best[cell] - BETTER)[order]]
         _, first = np.unique(cell[order], return_index=True)
         chosen = order[np.sort(first)]
         self._best[cell[chosen]] = total[chosen]
@@ -228,17 +234,30 @@ class _Search:
             x[chosen], y[chosen], heading[chosen], total[chosen], taken[of[chosen]], move[chosen], cell[chosen]
         )
         bend = np.abs(wrapped(heading[chosen] - self._downhill[row[chosen], column[chosen]]))
-        estimate = total[chosen] + GREED * (left[chosen] + BEND_COST * np.nan_to_num(bend))
+        left = self._left[row[chosen], column[chosen]]
+        estimate = total[chosen] + GREED * (left + BEND_COST * np.nan_to_num(bend))
         return numbers, estimate[: len(numbers)]
 
-    def _sampled(self, numbers: Ints) -> tuple[Floats, Floats, Floats]:
-        """Return the poses along all moves from some poses, each of shape (poses, samples)."""
+    def _driven(self, numbers: Ints, move: Ints) -> tuple[Floats, Bools]:
+        """Return what each move from each pose costs beside its fixed cost, and whether the robot fits all along it."""
+        if not len(move):
+            return np.zeros(0), np.zeros(0, np.bool_)
+        starts = MOVES.starts[move]
+        counts = MOVES.ends[move] - starts + 1
+        first = counts.cumsum() - counts
+        sample = np.arange(counts.sum()) + np.repeat(starts - first, counts)
+        costs = self._ground.costs(*self._reached(np.repeat(numbers, counts), sample))
+        is_free = np.maximum.reduceat(costs, first) < BARRED
+        return np.add.reduceat(costs * MOVES.weights[sample], first), is_free
+
+    def _reached(self, numbers: Ints, sample: Ints) -> tuple[Floats, Floats, Floats]:
+        """Return the poses of samples of moves that begin at some poses; the shapes are broadcast."""
         poses, moves = self._poses, MOVES
-        heading = poses.heading[numbers][:, None]
+        heading = poses.heading[numbers]
         c, s = np.cos(heading), np.sin(heading)
-        x = poses.x[numbers][:, None] + (c * moves.along - s * moves.aside)
-        y = poses.y[numbers][:, None] + (s * moves.along + c * moves.aside)
-        return x, y, heading + moves.turn
+        x = poses.x[numbers] + (c * moves.along[sample] - s * moves.aside[sample])
+        y = poses.y[numbers] + (s * moves.along[sample] + c * moves.aside[sample])
+        return x, y, heading + moves.turn[sample]
 
     def _cells(self, x: Floats, y: Floats, heading: Floats) -> tuple[Ints, Ints, Ints]:
         """Return row and column of places, limited to the area, and the number of the cell of poses."""
@@ -249,7 +268,7 @@ class _Search:
         sector = np.round((heading - self._ground.robot[2]) / self._unit).astype(np.intp) % HEADINGS
         return row, column, (row * columns + column) * HEADINGS + sector
 
-    def plan(self, last: int) -> Plan:
+    def _plan(self, last: int) -> Plan:
         """Return the plan to a pose."""
         poses, numbers = self._poses, [last]
         while poses.parent[numbers[-1]] >= 0:
@@ -268,9 +287,8 @@ class _Search:
             [np.zeros(1)],
         )
         for parent, move in steps:
-            samples = slice(int(MOVES.starts[move]), int(MOVES.ends[move]) + 1)
-            x, y, heading = (each[0, samples] for each in self._sampled(np.array([parent])))
-            poses.append(np.stack((x, y, heading), axis=1))
+            samples = np.arange(MOVES.starts[move], MOVES.ends[move] + 1)
+            poses.append(np.stack(self._reached(np.array([parent]), samples), axis=1))
             weights.append(MOVES.weights[samples])
         fixed = STOP_COST + sum(float(MOVES.fixed[move]) for _, move in steps)
         return PlanPiece(motion, np.concatenate(poses), np.concatenate(weights), fixed)

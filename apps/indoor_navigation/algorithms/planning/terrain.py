@@ -141,7 +141,7 @@ def floor_costs(area: Area, parameters: CostParameters, hints: Hints = NO_HINTS)
     return cost
 
 
-def nearness(room: Floats, parameters: CostParameters, inaccuracy: float) -> Floats:
+def nearness(room: Floats, parameters: CostParameters, inaccuracy: float | Floats) -> Floats:
     """Return the cost added for the room between the robot and the nearest obstacle.
 
     Args:
