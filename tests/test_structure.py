@@ -5,10 +5,12 @@ import re
 
 import pytest
 
-from tools.structure import Module, circles, modules, repeated_classes
+from tools.structure import Module, circles, modules, repeated_classes, small_modules
 
 API = 250
 """Names at most that packages export."""
+SMALL_MODULES = 10
+"""Modules at most that are small and have a single importer."""
 DESCRIBED = re.compile(r"Args:\n((?:    .*\n?)+)")
 ARGUMENT = re.compile(r"^    (\*{0,2}\w+(?:, \*{0,2}\w+)*):", re.MULTILINE)
 
@@ -28,6 +30,10 @@ def test_no_modules_import_each_other_not_even_for_type_checkers(known: dict[str
 
 def test_the_public_api_stays_small(known: dict[str, Module]) -> None:
     assert sum(len(module.exported()) for module in known.values() if module.is_package) <= API
+
+
+def test_few_modules_are_smaller_than_a_concept(known: dict[str, Module]) -> None:
+    assert len(small_modules(known)) <= SMALL_MODULES
 
 
 def test_docstrings_describe_arguments_that_are_there(known: dict[str, Module]) -> None:

@@ -29,6 +29,13 @@ PACKAGES = (
 )
 SMALL = 60
 """Lines. A module below this that only one other imports may belong inside that one."""
+FAMILIES = (
+    "p2os_emu.world.floors",  # a family of generated floors each
+    "agents.platform.conversations",  # a protocol of FIPA each, or one end of it
+    "apps.console.panels",  # the controls of an element each
+    "apps",  # an application in a single module each
+)
+"""Modules in these are a concept of their own, however small: one of several of a kind, which all have a module."""
 
 
 @dataclass(frozen=True)
@@ -109,7 +116,7 @@ def repeated_classes(known: Mapping[str, Module]) -> dict[str, list[str]]:
 
 
 def small_modules(known: Mapping[str, Module]) -> dict[str, str]:
-    """Modules of few lines that a single other imports, with that one."""
+    """Modules of few lines that a single other imports, with that one, without those of `FAMILIES`."""
     importers = defaultdict(set)
     for module in known.values():
         for name in imports(module, known):
@@ -117,8 +124,15 @@ def small_modules(known: Mapping[str, Module]) -> dict[str, str]:
     return {
         module.name: next(iter(importers[module.name]))
         for module in known.values()
-        if not module.is_package and module.lines < SMALL and len(importers[module.name]) == 1
+        if not module.is_package
+        and module.lines < SMALL
+        and len(importers[module.name]) == 1
+        and not _is_of_family(module.name)
     }
+
+
+def _is_of_family(name: str) -> bool:
+    return name.rpartition(".")[0] in FAMILIES
 
 
 def circles(known: Mapping[str, Module]) -> list[list[str]]:
