@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
+import configs
 from acromovi.missions.fresh import fresh_missions, fresh_page, fresh_seed
 from acromovi.missions.jobs import ROBOTS, SEEDS, Case, Condition, Job
 from acromovi.missions.matrix import Instead, M, Result, play, play_all
@@ -54,7 +55,10 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--seed", type=int, default=0, help="set the seed of the random generator [0]")
     parser.add_argument(
-        "--robot", default="", metavar="MODEL", help=f"set the model [by the seed, of {', '.join(ROBOTS)}]"
+        "--robot",
+        default="",
+        metavar="MODEL",
+        help=f"set the model, with a laser [by the seed, of {', '.join(ROBOTS)}]",
     )
     parser.add_argument("--no-laser", action="store_true", help="let the robot navigate by sonar alone")
     parser.add_argument("--world", default="", help="set the world [by the seed, the house or a generated plan]")
@@ -95,20 +99,30 @@ def _run(options: argparse.Namespace) -> int:
         return _run_file(options)
     if options.line is not None or options.pictures is not None or options.json or options.quiet:
         return _refuse("--line, --pictures, --json and --quiet are for missions of a --file")
-    if options.robot and options.robot not in ROBOTS:
-        return _refuse(f"--robot must be one of {', '.join(ROBOTS)}")
     if options.fresh is not None:
         return _run_fresh(options)
     if options.picture or options.all:
         require("a picture of missions", "plots")
-    if options.smoke or options.all:
-        jobs = Job.matrix(range(options.seeds)) if options.all else [Job.of(*row) for row in SMOKE]
-        results = play_many(jobs, processes=options.workers)
-        if options.all:
-            options.out.mkdir(parents=True, exist_ok=True)
-            (options.out / "missions.md").write_text(page(results), encoding="utf-8")
-            print(f"see {options.out}/missions.md")
-        return 0 if all(result.is_good for result in results) else 1
+    return _run_matrix(options) if options.smoke or options.all else _run_one(options)
+
+
+def _run_matrix(options: argparse.Namespace) -> int:
+    """Play the whole matrix and write its table, or a few missions of it."""
+    jobs = Job.matrix(range(options.seeds)) if options.all else [Job.of(*row) for row in SMOKE]
+    results = play_many(jobs, processes=options.workers)
+    if options.all:
+        options.out.mkdir(parents=True, exist_ok=True)
+        (options.out / "missions.md").write_text(page(results), encoding="utf-8")
+        print(f"see {options.out}/missions.md")
+    return 0 if all(result.is_good for result in results) else 1
+
+
+def _run_one(options: argparse.Namespace) -> int:
+    """Play one mission, and draw it if a picture is wanted."""
+    try:
+        configs.find("robots", options.robot or ROBOTS[0])
+    except ConfigError as err:
+        return _refuse(f"--robot: {err}")
     job = Job.of(options.case, options.condition, options.seed, options.robot, options.world)
     job = replace(job, has_laser=not options.no_laser)
     result = play(job)

@@ -8,7 +8,7 @@ import secrets
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 
-from acromovi.missions.jobs import ROBOTS, Case, Condition, Job, half_width
+from acromovi.missions.jobs import Case, Condition, Job, half_width
 from acromovi.missions.matrix import Result
 from acromovi.missions.page import table
 from acromovi.missions.report import why
@@ -18,7 +18,8 @@ from p2os_emu.world.floors.families import FAMILIES
 TUNED = ("plan", "hall", "corridors", "flat")
 OTHERS = tuple(family for family in FAMILIES if family not in TUNED)
 CONDITIONS = {Condition.ERROR: "static", Condition.ALL: "people and boxes"}
-SONAR = "p2dx"  # the robot that is also sent without a laser
+WITH_LASER = ("p3dx-sh", "p2at", "powerbot")
+SONAR = "p2dx"  # the robot that has no laser
 EASY = 0.15  # m beside the robot, from which on a way is easy
 _SEEDS = 1_000_000  # of floors; nobody has looked at many of them
 
@@ -69,16 +70,15 @@ def fresh_missions(seed: int, floors: int) -> list[FreshMission]:
         seed: Of the floors; the same missions for the same one.
         floors: For each family, robot and condition.
     """
+    robots = (SONAR, *WITH_LASER)
     missions = []
     for family in FAMILIES:
         for number in range(floors):
-            for place, robot in enumerate(ROBOTS):
-                at = seed + len(ROBOTS) * number + place
+            for place, robot in enumerate(robots):
+                at = seed + len(robots) * number + place
                 case = list(Case)[(number + place) % len(Case)]
-                jobs = [Job(case, condition, at, robot, f"{family}:{at}") for condition in CONDITIONS]
-                missions += [FreshMission(family, job) for job in jobs]
-                if robot == SONAR:
-                    missions.append(FreshMission(family, replace(jobs[0], has_laser=False)))
+                job = Job(case, Condition.ERROR, at, robot, f"{family}:{at}", has_laser=robot != SONAR)
+                missions += [FreshMission(family, replace(job, condition=condition)) for condition in CONDITIONS]
     return missions
 
 

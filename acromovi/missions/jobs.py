@@ -20,7 +20,7 @@ from p2os_emu.world.conditions import LEAST_WALK, with_obstacles, with_people
 from p2os_emu.world.free_space import FreeSpace
 from p2os_emu.world.shortest_path import Path, shortest_path
 
-ROBOTS = {"p2dx": "laser", "peoplebot-sh": "laser", "powerbot-sh": "laser", "p3at-sh": "laser"}
+ROBOTS = ("p2dx", "peoplebot-sh", "powerbot-sh", "p3at-sh")  # of the matrix
 SEEDS = 20
 WIDER_THAN_DOORS = 0.65  # m; radius of a disc that fits through no door
 PASSING = 0.05  # m beside the robot on the shortest way
@@ -82,7 +82,7 @@ class Job:
     @classmethod
     def of(cls, case: Case, condition: Condition, seed: int, robot: str = "", world: str = "") -> "Job":
         """Robots and worlds in turn, unless they are given: every other world is generated."""
-        models = list(ROBOTS)
+        models = ROBOTS
         return cls(
             case,
             condition,
@@ -132,7 +132,7 @@ class Job:
             way = chooser.way(world, (start.x, start.y), goal) or way
         if self.condition.has_people:
             world = chooser.with_people(world, way, self.seed)
-        fit = ROBOTS[self.robot] if self.has_laser else ""
+        fit = "laser" if self.has_laser else ""
         return Task(world, self.robot, fit, goal, way, self.seed, self.condition.is_perfect)
 
 

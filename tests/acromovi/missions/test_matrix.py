@@ -59,9 +59,11 @@ def test_one_mission_is_played_told_and_drawn(tmp_path: Path, capsys: pytest.Cap
     assert picture.read_text(encoding="utf-8").startswith("<?xml")
 
 
-def test_robot_that_is_not_in_the_matrix_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["missions", "--robot", "p2at"]) == 2
-    assert "choose" not in capsys.readouterr().out
+def test_robot_that_there_is_not_is_refused_with_those_that_there_are(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["missions", "--robot", "p3dz"]) == 2
+    error = capsys.readouterr().err
+    assert "there is no 'p3dz' among the robots" in error
+    assert "p3dx" in error
 
 
 def test_result_without_verdict_is_not_good() -> None:
