@@ -202,13 +202,17 @@ def test_seto_after_a_drive_puts_the_odometry_to_zero(driven: Client, model: Mod
 )
 def test_stopping(driven: Client, model: Model, number: int, least: float, most: float) -> None:
     driven.send(VEL, 400)
-    before = driven.sip(runs_at(400, 400, model), "SIP at 400 mm/s")
+    sips = [driven.sip(runs_at(400, 400, model), "SIP at 400 mm/s")]
     driven.send(number)
-    end = stopped(driven)
-    # The command met the robot up to a cycle after `before` was composed: 40 mm and the way of the bytes.
-    assert least <= distance([before, end], model) <= most
+    while not sips[-1].at_rest:
+        sips.append(driven.sip())
+        assert len(sips) < 100, "the robot does not stop"
+    # The command met the robot up to a cycle after the last SIP at full speed: 40 mm. On a busy machine there are more
+    # of these, because the command is sent late.
+    last = max(index for index, sip in enumerate(sips) if runs_at(400, 400, model)(sip))
+    assert least <= distance([sips[last], sips[-1]], model) <= most
     assert all(sip.at_rest for sip in driven.sips(3))
-    assert end.motors
+    assert sips[-1].motors
 
 
 @CLOSELY
