@@ -34,7 +34,7 @@ gateways = "separate"
 [[robots]]
 name = "happy"
 model = "peoplebot-sh"
-fit = ["ptz:vcc4", "camera:160x120@10"]
+fit = ["ptz:vcc4", "camera:160x120@5"]
 at_m = [2.0, 2.0]
 """
 LONG_STEP = """\
