@@ -10,7 +10,7 @@ from random import Random
 from acromovi.lockstep import Lockstep
 from apps.robot_following.cycle import FollowingCycle
 from apps.robot_following.follower import FollowerState, FollowingStep
-from apps.robot_following.ranges import laser_points
+from apps.robot_following.robot import laser_points
 from apps.robot_following.settings import FollowingSettings
 from benchmarks.formation_course import Drive, follow_line, straight
 from bus import Refused, Sample, keys

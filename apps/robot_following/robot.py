@@ -9,13 +9,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from agents import Robot, RobotError, Team
 from apps.background import BackgroundRequests
 from apps.remote_vision.aiming import view_of
 from apps.robot_following.cycle import FollowingCycle
 from apps.robot_following.follower import FollowerState, FollowingStep
-from apps.robot_following.ranges import laser_points, sonar_points
-from apps.robot_following.settings import FollowingSettings
+from apps.robot_following.settings import FollowingSettings, RoomSettings
 from geometry import Point, Pose2D, Twist2D
 from vision.colours import ColourTable
 from vision.image import VisionError
@@ -271,3 +272,31 @@ def target_colours(team: Team, robot: Robot, given: str) -> ColourTable | None:
         raise RobotError(f"the colours cannot be read from {given}: {err.strerror}") from err
     except VisionError as err:
         raise RobotError(f"the colours of {given}: {err}") from err
+
+
+def laser_points(ranges: Sequence[float], first: float, increment: float, room: RoomSettings) -> list[Point]:
+    """Return the echoes of a laser scan in the robot's frame, m; those farther than `room.range` are left out.
+
+    Args:
+        ranges: m; infinite or NaN without an echo.
+        first: Angle of the first range, rad.
+        increment: rad from one range to the next.
+        room: Settings.
+    """
+    distances = np.asarray(ranges, np.float64)
+    numbers = np.flatnonzero(np.isfinite(distances) & (distances > 0.0) & (distances < room.range))
+    angles, near = first + increment * numbers, distances[numbers]
+    points = np.column_stack([room.laser + near * np.cos(angles), near * np.sin(angles)])
+    return [(x, y) for x, y in points.tolist()]
+
+
+def sonar_points(ranges: Sequence[tuple[float, float, float, float]], room: RoomSettings) -> list[Point]:
+    """Return the echoes of sonar discs in the robot's frame, m, as if they were on the axes of the discs.
+
+    Args:
+        ranges: x, y, m, and heading, rad, of each disc in the robot's frame, and its range, m.
+        room: Settings.
+    """
+    return [
+        (x + away * math.cos(way), y + away * math.sin(way)) for x, y, way, away in ranges if 0.0 < away < room.range
+    ]
