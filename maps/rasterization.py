@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geometry.pose import Pose2D
-from geometry.segments import Segment
+from geometry.segments import Segment, polygon_edges
 from maps.building_map import BuildingMap
 from maps.distance import distance_transform
 from maps.occupancy import FREE, OCCUPIED, UNKNOWN, OccupancyGrid
@@ -53,6 +53,27 @@ def grid_of(map_: BuildingMap, resolution: float = RESOLUTION) -> OccupancyGrid:
         cells[:] = FREE
     cells[occupied] = OCCUPIED
     return OccupancyGrid(cells, resolution, Pose2D(x, y))
+
+
+def forbidden_cells(map_: BuildingMap, grid: OccupancyGrid) -> Mask:
+    """Cells of an upright grid on forbidden lines and in forbidden areas; shape of the cells."""
+    is_forbidden = np.zeros(grid.cells.shape, np.bool_)
+    step = 0.5 * grid.resolution  # so that a line leaves no gap between two cells
+    edges = [*map_.forbidden_lines, *(edge for area in map_.forbidden_areas for edge in polygon_edges(area))]
+    at = np.floor((points_along(edges, step) - (grid.origin.x, grid.origin.y)) / grid.resolution).astype(np.int64)
+    is_inside = ((at >= 0) & (at < is_forbidden.shape[::-1])).all(axis=1)
+    is_forbidden[at[is_inside, 1], at[is_inside, 0]] = True
+    if not map_.forbidden_areas:
+        return is_forbidden
+    centres = grid.centres(np.ones_like(is_forbidden))
+    for area in map_.forbidden_areas:
+        starts = np.array(area)
+        ways = np.roll(starts, -1, axis=0) - starts
+        to = centres[:, np.newaxis] - starts
+        sides = ways[:, 0] * to[..., 1] - ways[:, 1] * to[..., 0]
+        is_within = (sides >= 0.0).all(axis=1) | (sides <= 0.0).all(axis=1)
+        is_forbidden |= is_within.reshape(is_forbidden.shape)
+    return is_forbidden
 
 
 def points_along(lines: Sequence[Segment], step: float) -> NDArray[np.float64]:

@@ -102,24 +102,6 @@ class _Place(argparse.Action):
         setattr(namespace, self.dest, {"x": x, "y": y})
 
 
-async def _in_odom(agent: "Agent", arguments: argparse.Namespace) -> dict[str, Any]:
-    """Return the place in `odom`, by the localization of the robot where it is in `map`.
-
-    Raises:
-        RequestNotDone: The robot is not localized, or it cannot be there.
-    """
-    from acromovi.navigation.components import REPLY_TIMEOUT
-    from agents.platform.names import AgentName
-
-    place: dict[str, Any] = arguments.place
-    if "place" not in place and not arguments.map:
-        return {**place, "heading": arguments.heading}
-    given = place if arguments.heading is None else {**place, "heading": arguments.heading}
-    localization = AgentName("localization", arguments.robot)
-    goal = (await agent.request(localization, "goal", reply_within=REPLY_TIMEOUT, **given)).value()
-    return {name: goal[name] for name in ("x", "y", "heading")}
-
-
 async def _go(bus: "Bus", interface: "AgentName", arguments: argparse.Namespace) -> int:
     """Send the robot; return the exit code.
 
@@ -130,7 +112,9 @@ async def _go(bus: "Bus", interface: "AgentName", arguments: argparse.Namespace)
     from acromovi.navigation.components import REPLY_TIMEOUT
 
     async with asker(bus, interface) as agent:
-        wanted = {**await _in_odom(agent, arguments), "tolerance": arguments.tolerance}
+        frame = "map" if arguments.map and "place" not in arguments.place else None
+        about = {"heading": arguments.heading, "tolerance": arguments.tolerance, "frame": frame}
+        wanted = {**arguments.place, **about}
         goal = {name: value for name, value in wanted.items() if value is not None}
         begun = (await agent.request(interface, "go", reply_within=REPLY_TIMEOUT, **goal)).value()
         if not arguments.wait:

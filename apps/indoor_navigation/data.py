@@ -103,8 +103,9 @@ def _array(values: list[Any]) -> Floats:
 class GoalPoint(Data):
     """The goal of a mission.
 
-    mission: its name. heading: at the end; None for any. tolerance: distance that counts as reached. A goal without a
-    place cancels the mission, and the robot stops.
+    mission: its name. heading: at the end; None for any. tolerance: distance that counts as reached. frame: `odom`, or
+    `map` for a place of the map on which the robot is localized. A goal without a place cancels the mission, and the
+    robot stops.
     """
 
     mission: str
@@ -112,13 +113,14 @@ class GoalPoint(Data):
     y: float | None
     heading: float | None = None
     tolerance: float = 0.25
+    frame: str = "odom"
 
     @property
     def is_sound(self) -> bool:
-        """Whether all values are finite numbers and the tolerance is above 0."""
+        """Whether all values are finite numbers, the tolerance is above 0, and the frame is known."""
         numbers = [self.x, self.y, self.tolerance, 0.0 if self.heading is None else self.heading]
         sound = (isinstance(n, int | float) and not isinstance(n, bool) and isfinite(n) for n in numbers)
-        return all(sound) and self.tolerance > 0.0
+        return all(sound) and self.tolerance > 0.0 and self.frame in ("odom", "map")
 
 
 @dataclass(frozen=True, slots=True)
@@ -139,7 +141,7 @@ class WorldCoord(Data):
     order: rising number; a component ignores a target with a lower order than its last. aim: `go` to the place, go
     `back` to it with the rear ahead, `turn` to `heading`, or `rest`. speed: upper limit. is_last: the robot stops at
     the place; otherwise it passes. path: x and y of places on the way to it in turn, from one near the robot on; empty
-    for a straight way.
+    for a straight way. barred: x and y of places near it that the robot must not touch, although no sensor shows them.
     """
 
     stamp: float
@@ -151,6 +153,7 @@ class WorldCoord(Data):
     speed: float = 0.0
     is_last: bool = True
     path: tuple[float, ...] = ()
+    barred: tuple[float, ...] = ()
 
 
 # Readings.

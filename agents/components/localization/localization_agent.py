@@ -44,6 +44,7 @@ class LocalizationAgent(ElementAgent):
         "odometry": "systematic errors: true m per m (distance), rad per rad (turn), rad per m to the left (drift)",
         "silence": "s since the latest range reading",
         "map": "file of the map",
+        "started": "ms since 1970 when this localization was started",
         "reason": "why the pose is not to be believed; null if it is",
     }
 
@@ -51,6 +52,7 @@ class LocalizationAgent(ElementAgent):
         super().__init__(name, properties)
         self._worker: ThreadPoolExecutor | None = None
         self._tools: LocalizationTools | None = None
+        self._started = 0
         self._ticking: list[Running] = []
         self._hearing: list[Subscription] = []
         self._publishing: list[Publisher] = []
@@ -90,6 +92,7 @@ class LocalizationAgent(ElementAgent):
         except Refused as err:
             self._end()
             raise failure(err.why) from err
+        self._started = round(self.home.wall_time() * 1e3)
         self._begin(grid)
         return {"state": str(self._state()), "map": map}
 
@@ -138,6 +141,11 @@ class LocalizationAgent(ElementAgent):
             for each in found
         ]
 
+    @request("floor")
+    async def floor(self) -> dict[str, Any]:
+        """The map for planning: a grid in the frame `map` with free, occupied, unknown and forbidden cells."""
+        return dict(await self._with_tools(lambda tools: tools.floor()))
+
     def _state(self) -> str:
         return "searching" if self._latest is None else str(self._latest["state"])
 
@@ -175,6 +183,10 @@ class LocalizationAgent(ElementAgent):
         for each in (*self._hearing, *self._publishing):
             each.close()
         self._hearing, self._publishing = [], []
+        if self._tools is not None and self.is_heard:
+            self.publish(
+                {"state": _STOPPED, "pose": None, "odom_in_map": None, "reason": "the localization was stopped"}
+            )
         if self._worker is not None:
             self._worker.shutdown(wait=False, cancel_futures=True)
         self._worker = self._tools = self._latest = None
@@ -189,6 +201,7 @@ class LocalizationAgent(ElementAgent):
         estimate, result = await self._in_thread(lambda: _advanced(tools, samples))
         if tools is not self._tools:
             return  # it was stopped meanwhile
+        result = {**result, "started": self._started}
         before = None if self._latest is None else self._latest["state"]
         self.renew(result)
         if before != result["state"] and result["reason"] is not None and before is not None:

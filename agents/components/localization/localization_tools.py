@@ -1,10 +1,12 @@
 """What localizes a robot, in the thread of its agent: the map, the localizer, and readings decoded for it."""
 
+from base64 import b64encode
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from math import sqrt
 from typing import Any
+from zlib import compress
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,7 +34,7 @@ from maps.building_map import BuildingMap
 from maps.localization.localizer import LocalizationEstimate, LocalizationState, Localizer
 from maps.localization.settings import LocalizationSettings, load_settings
 from maps.map_files import read_building_map
-from maps.rasterization import grid_of
+from maps.rasterization import forbidden_cells, grid_of
 
 MAP_FRAME = "map"
 HOME, UNKNOWN = "home", "unknown"
@@ -203,6 +205,23 @@ class LocalizationTools:
         )
         return OccupancyGridMessage(header=about, info=info, data=grid.cells.reshape(-1))
 
+    def floor(self) -> dict[str, Any]:
+        """The map for planning: an upright grid of cells as in OccupancyGrid, and those that are forbidden.
+
+        `cells` (int8) and `forbidden` (uint8, 0 or 1) are row by row from the lowest y, compressed by zlib, in base64.
+        """
+        grid = grid_of(self.map)
+        rows, columns = grid.cells.shape
+        return {
+            "x": grid.origin.x,
+            "y": grid.origin.y,
+            "resolution": grid.resolution,
+            "rows": rows,
+            "columns": columns,
+            "cells": _packed(grid.cells),
+            "forbidden": _packed(forbidden_cells(self.map, grid)),
+        }
+
     def goal(self, name: str, x: float | None, y: float | None, heading_: float | None) -> dict[str, Any]:
         """A goal in `odom`, for the present estimate.
 
@@ -270,6 +289,10 @@ def sonar_ends(message: RangeArray, discs: Mapping[int, Pose2D], settings: Local
             angles = disc.heading + spread
             arcs.append(np.stack((disc.x + each.range * np.cos(angles), disc.y + each.range * np.sin(angles)), axis=1))
     return np.array(arcs, np.float64).reshape(-1, field.arc_points, 2)
+
+
+def _packed(cells: NDArray[Any]) -> str:
+    return b64encode(compress(cells.tobytes())).decode()
 
 
 def _rounded(pose: Pose2D) -> list[float]:

@@ -4,13 +4,16 @@ from dataclasses import dataclass, replace
 from math import pi
 from typing import Protocol
 
+import numpy as np
+
 from apps.indoor_navigation.algorithms.outline import Outline
 from apps.indoor_navigation.algorithms.perception import Perceived
+from apps.indoor_navigation.algorithms.rays import in_robot
 from apps.indoor_navigation.algorithms.surroundings import MEMORY_TIME, Surroundings
 from apps.indoor_navigation.algorithms.tracking import PathTracking, Speeds, TrackingParameters
 from apps.indoor_navigation.component import Role, hears, is_told
 from apps.indoor_navigation.components.embodied import Embodied
-from apps.indoor_navigation.data import Floats, MotionCmd, ObstRead, RobotOdometry, WorldCoord
+from apps.indoor_navigation.data import Floats, MotionCmd, ObstRead, Pose, RobotOdometry, WorldCoord
 from apps.indoor_navigation.wakefulness import moves
 from geometry import wrap_angle
 
@@ -112,5 +115,14 @@ class Goto(Embodied):
         heading = odometry.heading if target.aim == GO else wrap_angle(odometry.heading + pi)
         seen = replace(odometry, heading=heading, linear=sense * odometry.linear)
         pose = seen.x, seen.y, heading
-        speeds = self._steering[target.aim].steer(seen, target, self._surroundings.places(pose))
+        speeds = self._steering[target.aim].steer(seen, target, self._places(pose, target))
         return Speeds(sense * speeds.linear, speeds.angular)
+
+    def _places(self, pose: Pose, target: WorldCoord) -> tuple[Floats, Floats]:
+        """Return the obstacles in the frame of a robot at a pose in odom, and the places that it must not touch."""
+        x, y = self._surroundings.places(pose)
+        if not target.barred:
+            return x, y
+        barred = np.array(target.barred).reshape(-1, 2)
+        barred_x, barred_y = in_robot(pose, barred[:, 0], barred[:, 1])
+        return np.concatenate((x, barred_x)), np.concatenate((y, barred_y))

@@ -5,17 +5,21 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from agents.platform import Cyclic, Restart
+from agents.platform import AgentName, Cyclic, RequestNotDone, Restart
 from apps.indoor_navigation.algorithms.outline import Outline
-from apps.indoor_navigation.algorithms.planning.mission import Navigator
+from apps.indoor_navigation.algorithms.planning.floor import FloorMap
+from apps.indoor_navigation.algorithms.planning.mission import MapFix, Navigator
 from apps.indoor_navigation.algorithms.planning.orders import REST, MissionParameters, Order
 from apps.indoor_navigation.component import Component, Role, answers_query, hears, is_told
 from apps.indoor_navigation.data import DLEData, GoalPoint, LogMessage, ObstRead, WorldCoord
 from bus import BusUnavailable, Refused
+from geometry import Pose2D
 
 QUERY_PERIOD = 1.0  # s between two queries for the outline of the robot
 SAME_PLACE, SAME_HEADING = 0.02, 0.02  # m and rad within which an order is not sent again
 MILLISECONDS = 1e3
+MAP_TIMEOUT, MAP_RETRY = 10.0, 2.0  # s for the map to come, and between two requests for it
+SILENT = 3.0  # s without a result of the localization after which it counts as ended
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,12 +63,17 @@ class PathPlanning(Component):
             except ValueError as err:
                 self.home.report(self.name, str(err), None)
                 self._file = None  # the file is not overwritten
+        self._localization = AgentName("localization", self.robot)
+        self._floor: FloorMap | None = None
+        self._map_number: Any = None  # of the localization whose map that is
+        self._map_at = self._fix_at = float("-inf")
+        self.listen_awake(self._localization.results_key, self._hear_localization)
         self.every(self.parameters.period, self._step)
         self.add(Cyclic(self._know_robot), Restart())
 
     def woken(self, slept: float) -> None:
         """Wait for a reading: the robot may have been pushed."""
-        self._sees = False
+        self._sees, self._fix_at = False, self._now
 
     async def take_down(self) -> None:
         """Stop the robot."""
@@ -94,7 +103,7 @@ class PathPlanning(Component):
     @hears(DLEData)
     async def see_doors(self, data: DLEData) -> None:
         """Take the doors of a scan."""
-        self._navigator.memory.doors.see(data)
+        self._navigator.see_doors(data)
 
     @answers_query("state")
     def tell_state(self) -> dict[str, Any]:
@@ -112,8 +121,53 @@ class PathPlanning(Component):
         picture = self._navigator.picture()
         return {**picture, "since": self._now - picture["since"], "is_current": self._is_current}
 
+    async def _hear_localization(self, told: dict[str, Any]) -> None:
+        """Take what the localization knows; get its map first."""
+        self._fix_at = self._now
+        try:
+            place, number = told["odom_in_map"], told.get("started")
+            is_known = told["state"] == "localized" and place is not None
+            odom = Pose2D(*map(float, place)) if is_known else None
+        except (LookupError, TypeError, ValueError) as err:
+            self._complain("localization", f"the localization sent an invalid result: {err!r}")
+            return
+        if odom is not None and number != self._map_number:
+            if self._now - self._map_at < MAP_RETRY:
+                return
+            self._map_at = self._now
+            await self._get_map(number)
+        floor = self._floor if number == self._map_number else None
+        self._localize(MapFix(odom, floor, str(told.get("reason") or "its map has not come yet")))
+
+    async def _get_map(self, number: Any) -> None:
+        """Request the map of the localization."""
+        try:
+            told = (await self.request(self._localization, "floor", reply_within=MAP_TIMEOUT)).value()
+            floor = FloorMap.of_json(told)
+        except BusUnavailable:
+            raise
+        except (RequestNotDone, ValueError) as err:
+            self._complain("map", f"the map does not come: {err}; continues by the sensors alone")
+            return
+        self._complained.discard("map")
+        self._floor, self._map_number = floor, number
+
+    def _localize(self, fix: MapFix | None) -> None:
+        self._navigator.localize(fix, self._now)
+        self._mission = self._navigator.status()
+
+    def _mind_silence(self) -> None:
+        """Continue by odometry on a mission on the map when the localization is silent; otherwise without the map."""
+        if self._now - self._fix_at <= SILENT:
+            self._complained.discard("silence")
+        elif self._navigator.is_active and self._navigator.status()["on_map"] is not None:
+            self._complain("silence", "the localization is silent; the robot continues by its odometry")
+        else:
+            self._localize(None)
+
     async def _step(self) -> None:
         """Decide on the order of this step, and send it."""
+        self._mind_silence()
         if self._navigator.is_active:
             self.work()
             if not self._sees and self._now - self.woke_at < self.parameters.mission.silence:

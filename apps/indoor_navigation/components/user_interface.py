@@ -8,13 +8,15 @@ from dataclasses import asdict, dataclass
 from math import isfinite
 from typing import Any
 
-from agents.platform import agree, request, subscription
+from agents.platform import AgentName, agree, request, subscription
+from apps.indoor_navigation.algorithms.planning.frames import MAP, ODOM
 from apps.indoor_navigation.component import Component, Role, is_told
 from apps.indoor_navigation.data import GoalPoint, LogMessage
 from bus import BusUnavailable, Refused
 
 ENDED = ("done", "failed", "cancelled", "replaced")
 SIGHT_TIMEOUT, SIGHT_PERIOD = 0.8, 0.1  # s for path planning to see something when it was asleep, and between queries
+MAP_TIMEOUT = 4.0  # s for the localization to find a goal of the map
 MESSAGE_TIMEOUT = 2.0  # s after the end of a mission for the last messages about it
 
 
@@ -51,26 +53,59 @@ class UserInterface(Component):
         self.every(self.parameters.look, self._look)
 
     @request("go")
-    async def go(self, x: float, y: float, heading: Any = None, tolerance: float = 0.25) -> dict[str, Any]:
-        """Send the robot to a place, m in odom, and return the name of the mission; it replaces the one before.
+    async def go(
+        self,
+        x: Any = None,
+        y: Any = None,
+        heading: Any = None,
+        tolerance: float = 0.25,
+        place: str = "",
+        frame: str = "odom",
+    ) -> dict[str, Any]:
+        """Send the robot to a place, and return the name of the mission; it replaces the one before.
 
-        heading: at the end, rad; None for any. tolerance: m.
+        x, y: m. heading: at the end, rad; None for any. tolerance: m. place: name of a goal of the map, instead of x
+        and y. frame: of x, y and heading, `odom` or `map`. Places of the map need a robot that is localized, and are
+        refused in walls and forbidden areas.
         """
         wanted = {"x": x, "y": y, "heading": heading, "tolerance": tolerance}
+        if place:
+            wanted = {"heading": heading, "tolerance": tolerance}
+            if x is not None or y is not None:
+                raise Refused("give a place, or x and y, not both")
         for name, value in wanted.items():
             is_number = isinstance(value, int | float) and not isinstance(value, bool) and isfinite(value)
             if not is_number and not (name == "heading" and value is None):
                 raise Refused(f"{name} must be a number, not {value!r}")
         if tolerance <= 0.0:
             raise Refused(f"tolerance must be above 0 m, not {tolerance:g}")
+        if frame not in (ODOM, MAP):
+            raise Refused(f"frame must be {ODOM!r} or {MAP!r}, not {frame!r}")
+        if place or frame == MAP:
+            x, y, heading = await self._on_map(place, x, y, heading)
+            frame = MAP
         if self._goal is not None:
             self._end(self._goal.mission, "replaced", "another mission was begun")
         self._missions += 1
-        self._goal = GoalPoint(f"m{int(self.home.wall_time())}-{self._missions}", x, y, heading, tolerance)
+        self._goal = GoalPoint(f"m{int(self.home.wall_time())}-{self._missions}", x, y, heading, tolerance, frame)
         self._is_unknown = False
         self.work()
         self.tell(self._goal)
         return {"mission": self._goal.mission}
+
+    async def _on_map(self, place: str, x: Any, y: Any, heading: Any) -> tuple[float, float, float | None]:
+        """Return x, y and heading of a goal in map.
+
+        Raises:
+            Refused: The robot is not localized, or it cannot be there.
+        """
+        given = {"place": place, "x": x, "y": y, "heading": heading}
+        asked = {name: value for name, value in given.items() if value not in (None, "")}
+        outcome = await self.request(AgentName("localization", self.robot), "goal", reply_within=MAP_TIMEOUT, **asked)
+        if not outcome.is_done:
+            raise Refused(f"the localization gives no goal: {outcome.why}")
+        (goal_x, goal_y, goal_heading), is_turned = outcome.result["map"], outcome.result["heading"] is not None
+        return goal_x, goal_y, goal_heading if is_turned else None
 
     @request("cancel")
     async def cancel(self) -> dict[str, Any]:

@@ -1,12 +1,13 @@
 """A part of the floor as a grid: what each sensor shows of an obstacle in each cell, and its times."""
 
-from math import ceil, floor
+from math import ceil, cos, floor, sin
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from apps.indoor_navigation.data import Bools, Floats, Place
+from geometry import Pose2D
 
 Evidence = NDArray[np.int8]
 Singles = NDArray[np.float32]
@@ -22,7 +23,8 @@ class Area(NamedTuple):
     evidence: of the laser, and of sonar where no laser looks. first_hit: s, or NEVER, or PASSABLE. fixed: cells of
     walls: hit for some time and never free before. hit_at: s of the last hit. theirs_at: s when a walking person was
     there last. echo: evidence of what sonar hears and the laser sees through. heard_from: direction of the disc that
-    heard it last, from the cell, rad in odom. body: cells of what may be a person now.
+    heard it last, from the cell, rad. body: cells of what may be a person now. forbidden: cells that no robot may
+    enter, whatever sensors show.
     """
 
     x: float
@@ -36,6 +38,7 @@ class Area(NamedTuple):
     echo: Evidence
     heard_from: Singles
     body: Bools
+    forbidden: Bools
 
     @classmethod
     def of(cls, x: float, y: float, resolution: float, evidence: Evidence) -> "Area":
@@ -44,23 +47,24 @@ class Area(NamedTuple):
         never = np.full(evidence.shape, NEVER)
         fixed = evidence >= OCCUPIED
         silent, unheard = np.zeros(evidence.shape, np.int8), np.zeros(evidence.shape, np.float32)
-        nobody = np.zeros(evidence.shape, bool)
-        return cls(x, y, resolution, evidence, never, fixed, long_ago, long_ago.copy(), silent, unheard, nobody)
+        nobody, allowed = np.zeros(evidence.shape, bool), np.zeros(evidence.shape, bool)
+        since = long_ago, long_ago.copy()
+        return cls(x, y, resolution, evidence, never, fixed, *since, silent, unheard, nobody, allowed)
 
     @property
     def occupied(self) -> Bools:
-        """Cells with an obstacle."""
-        return (self.evidence >= OCCUPIED) | (self.echo >= OCCUPIED) | self.body
+        """Cells with an obstacle, and forbidden ones."""
+        return (self.evidence >= OCCUPIED) | (self.echo >= OCCUPIED) | self.body | self.forbidden
 
     @property
     def walls(self) -> Bools:
         """Cells with an obstacle that is not expected to go away; what the laser sees through is glass, no person."""
-        return (self.occupied & self.fixed) | (self.echo >= OCCUPIED)
+        return (self.occupied & self.fixed) | (self.echo >= OCCUPIED) | self.forbidden
 
     @property
     def staying(self) -> Bools:
         """Cells with an obstacle where none has come: walls, and what stood there when the place was first seen."""
-        return self.occupied & (self.fixed | ~np.isinf(self.first_hit))
+        return (self.occupied & (self.fixed | ~np.isinf(self.first_hit))) | self.forbidden
 
     @property
     def unknown(self) -> Bools:
@@ -91,6 +95,7 @@ class Area(NamedTuple):
             self.echo[here],
             self.heard_from[here],
             self.body[here],
+            self.forbidden[here],
         )
 
     def around(self, *places: Place, margin: float) -> "Area":
@@ -100,6 +105,33 @@ class Area(NamedTuple):
         low = np.maximum(cells.min(axis=0) - wide, 0)
         high = np.minimum(cells.max(axis=0) + wide + 1, self.evidence.shape)
         return self.window(slice(int(low[0]), int(high[0])), slice(int(low[1]), int(high[1])))
+
+    def copied(self) -> "Area":
+        """Return the same area with memory of its own."""
+        layers = (np.array(layer) for layer in self[3:])
+        return Area(self.x, self.y, self.resolution, *layers)  # type: ignore[arg-type]  # the layers in their order
+
+    def turned(self, frame: Pose2D) -> "Area":
+        """Return evidence and obstacles of the known part in another frame, in which the frame of this one is there.
+
+        Each cell takes the values of the cell under its middle.
+        """
+        known, edge = self.known(), self.resolution
+        height, width = known.evidence.shape
+        ends = [(known.x + column * edge, known.y + row * edge) for row in (0, height) for column in (0, width)]
+        corners = np.array([frame.transform(*end) for end in ends])
+        x, y = corners.min(axis=0).tolist()
+        columns, rows = np.ceil((corners.max(axis=0) - (x, y)) / edge).astype(np.intp).tolist()
+        dx = x + (np.arange(columns) + 0.5) * edge - frame.x
+        dy = y + (np.arange(rows)[:, None] + 0.5) * edge - frame.y
+        c, s = cos(frame.heading), sin(frame.heading)
+        column = np.floor((c * dx + s * dy - known.x) / edge).astype(np.intp)
+        row = np.floor((c * dy - s * dx - known.y) / edge).astype(np.intp)
+        inside = (row >= 0) & (row < height) & (column >= 0) & (column < width)
+        values = np.where(known.occupied, OCCUPIED, np.where(known.unknown, 0, PASSED)).astype(np.int8)
+        evidence = np.zeros((rows, columns), np.int8)
+        evidence[inside] = values[row[inside], column[inside]]
+        return Area.of(x, y, edge, evidence)
 
     def known(self) -> "Area":
         """Return the smallest part with all known cells."""

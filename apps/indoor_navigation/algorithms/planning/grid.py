@@ -19,6 +19,8 @@ import numpy as np
 from apps.indoor_navigation.algorithms.bodies import Bodies
 from apps.indoor_navigation.algorithms.perception import Perceived
 from apps.indoor_navigation.algorithms.planning.area import NEVER, OCCUPIED, PASSABLE, PASSED, Area, Singles
+from apps.indoor_navigation.algorithms.planning.floor import FloorMap
+from apps.indoor_navigation.algorithms.planning.terrain import distances
 from apps.indoor_navigation.algorithms.rays import HALF_CONE, Rays
 from apps.indoor_navigation.data import Bools, Floats, Ints, ObstRead, Place
 
@@ -36,6 +38,8 @@ BESIDE_BODY = 0.2  # m about a body within which an echo is the body's
 STRIDE = 0.7  # of a cell, between two places of a ray that passes, so that no cell in its middle is left out
 SEAM_PARTS = 12  # of the seam between two hits; at most 5 cm each, the edge of a cell
 MAX_GAP = 0.04  # rad between two rays of a scan with nothing between their ends but what one of them hits
+SAME_WALL = 0.15  # m between a wall of the map and where it is seen
+WRONG_SHARE = 0.15  # of walls of the map that are not there, beside those that are; above, the map does not fit
 MAX_SEAM = 0.6  # m between two hits of one surface
 
 
@@ -63,12 +67,56 @@ class Grid:
     def __init__(self, parameters: GridParameters) -> None:
         self._parameters = parameters
         self._steps = np.arange(0.0, parameters.reach, STRIDE * parameters.resolution)
+        self._map: Area | None = None
+        self.forget()
+
+    def use_map(self, floor: FloorMap | None) -> None:
+        """Begin anew with the knowledge of a map, or with none."""
+        self._map = floor.area(self._parameters.resolution) if floor is not None else None
         self.forget()
 
     def forget(self) -> None:
-        """Clear the grid."""
-        self.area = Area.of(0.0, 0.0, self._parameters.resolution, np.zeros((0, 0), np.int8))
+        """Clear the grid; what the map shows stays."""
+        nothing = Area.of(0.0, 0.0, self._parameters.resolution, np.zeros((0, 0), np.int8))
+        self.area = nothing if self._map is None else self._map.copied()
         self._has_walkers = False  # whether anything has moved; most of the time nothing has
+
+    def forget_unmapped(self, before: float) -> bool:
+        """Clear obstacles on free floor of the map that were hit before s last; return whether there were any."""
+        if self._map is None:
+            return False
+        part = self._mapped()
+        is_there = (part.evidence >= OCCUPIED) | (part.echo >= OCCUPIED)
+        is_old = is_there & (self._map.evidence == PASSED) & (part.hit_at < before)
+        part.evidence[is_old], part.echo[is_old] = PASSED, 0
+        part.first_hit[is_old], part.fixed[is_old] = NEVER, False
+        return bool(is_old.any())
+
+    def doubt_map(self) -> bool:
+        """Forget what only the map shows, if sensors contradict much of it; return whether that was so.
+
+        Walls of the map count that rays have passed, beside those that were seen where they should be.
+        """
+        if self._map is None:
+            return False
+        part = self._mapped()
+        is_wall, is_seen = self._map.evidence >= OCCUPIED, part.hit_at > -np.inf
+        off = distances(is_seen & (part.evidence >= OCCUPIED), SAME_WALL, part.resolution)
+        is_right = is_wall & (off <= SAME_WALL)
+        is_wrong = is_wall & ~is_right & (part.evidence <= PASSED)
+        if is_wrong.sum() <= WRONG_SHARE * is_right.sum():
+            return False
+        unseen = (part.evidence == self._map.evidence) & ~is_seen
+        part.evidence[unseen], part.fixed[unseen] = 0, False
+        self._map.evidence[:], self._map.fixed[:] = 0, False  # forbidden cells stay
+        return bool(unseen.any())
+
+    def _mapped(self) -> Area:
+        """Return the part of the area that the map shows."""
+        assert self._map is not None
+        row, column = self.area.cell(*self._map.place(0, 0))
+        height, width = self._map.evidence.shape
+        return self.area.window(slice(row, row + height), slice(column, column + width))
 
     def include(self, place: Place, margin: float = 0.0) -> bool:
         """Extend the area to a place with a margin, m; return False, without a change, where it would be too large."""
@@ -100,6 +148,7 @@ class Grid:
             np.pad(area.echo, pad),
             np.pad(area.heard_from, pad),
             np.pad(area.body, pad),
+            np.pad(area.forbidden, pad),
         )
         return True
 

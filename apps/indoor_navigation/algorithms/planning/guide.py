@@ -17,6 +17,7 @@ from apps.indoor_navigation.data import Bools, GoalPoint, Place, Pose
 from geometry import wrap_angle
 
 TRAIL_POINTS = 40  # newest points of the trail that must stay free when the robot makes way: 4 m
+OUT_OF_VIEW = 10.0  # s after which an obstacle may have gone away unseen
 SURE_RANGE = 2.0  # m from the goal within which an obstacle there is certain
 TOLERANCE_PART = 0.6  # of the tolerance within which ways end, because a robot does not stop exactly
 DOOR_AHEAD = 2.0  # m along the way within which a door is announced
@@ -187,19 +188,25 @@ class Guide:
         return bool(beyond) and any(walls.is_barred(place) for place in beyond)
 
     def doubt_goal(self, now: float) -> bool:
-        """Forget an obstacle at the goal if it was seen from afar only; return whether that was so."""
+        """Forget an obstacle at the goal if it was seen from afar only, and what the map does not show and is out of
+        view; return whether there was anything."""
+        is_news = self._memory.forget_unmapped(OUT_OF_VIEW) or self._memory.doubt_map()
         if not self._survey(now).is_barred(self.goal) or self.distance(self.goal) < SURE_RANGE:
-            return False
+            return is_news
         self._memory.grid.doubt(*self.goal, SURE_RANGE / 2.0)
         return True
 
     def why_no_way(self, now: float) -> str:
         """Return the reason in words."""
         ground, goal = self._survey(now), place_text(self.goal)
+        if ground.is_forbidden(self.goal):
+            return f"the goal {goal} is in a forbidden area of the map, or on a forbidden line; choose another"
+        if ground.is_forbidden(self._memory.place):
+            return "the robot is in a forbidden area of the map; drive it out by hand"
         if ground.is_occupied(self.goal):
             return f"the goal {goal} is in a wall, or in something that stands there; choose another"
         if ground.is_barred(self.goal):
-            return f"the goal {goal} is too near to a wall for this robot; choose another"
+            return f"the goal {goal} is too near to a wall or a forbidden line for this robot; choose another"
         missing = missing_width(ground, self.goal, self._goal.tolerance)
         if missing is not None:
             lack, place = missing

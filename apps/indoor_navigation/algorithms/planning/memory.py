@@ -5,32 +5,41 @@ from dataclasses import dataclass
 from math import hypot
 from typing import Any
 
+import numpy as np
+
 from apps.indoor_navigation.algorithms.outline import Outline
 from apps.indoor_navigation.algorithms.planning.area import Area
 from apps.indoor_navigation.algorithms.planning.doors_map import DoorsMap, MapParameters
+from apps.indoor_navigation.algorithms.planning.floor import FloorMap
 from apps.indoor_navigation.algorithms.planning.grid import Grid, GridParameters
 from apps.indoor_navigation.algorithms.planning.ground import Ground
 from apps.indoor_navigation.algorithms.planning.terrain import CostParameters, Hints, Strip, Terrain, terrain
 from apps.indoor_navigation.algorithms.pose_history import is_pose_jump
-from apps.indoor_navigation.data import Bools, ObstRead, Place, Pose
+from apps.indoor_navigation.data import Bools, Floats, ObstRead, Place, Pose
 
 UNKNOWN_MARGIN = 2.0  # m of unknown floor around the known floor through which a way may lead
 ASIDE_RANGE = 5.0  # m around the robot where it may go aside
+FORBIDDEN_RANGE = 2.5  # m around the robot within which goto is told of forbidden places
 TRAIL_SPACING = 0.1  # m between two points of the trail
 
 
 @dataclass(frozen=True, slots=True)
 class MemoryParameters:
-    """near: m around the robot within which the way is checked at each step."""
+    """Ranges and times.
+
+    near: m around the robot within which the way is checked at each step. remember: s for which an obstacle that the
+    map does not show is remembered from one mission to the next, such as a closed door.
+    """
 
     near: float
+    remember: float
     grid: GridParameters
     cost: CostParameters
     doors: MapParameters
 
 
 class Memory:
-    """Knowledge in odom. outline: of the robot.
+    """Knowledge in the frame of planning. outline: of the robot.
 
     pose: None before the first reading. travelled: m of this mission. has_jumped: whether odom was set anew at least
     once.
@@ -83,6 +92,20 @@ class Memory:
         self.doors.forget()
         self.pose, self._avoided = None, []
         self.begin_trail()
+
+    def use_map(self, floor: FloorMap | None) -> None:
+        """Forget all places, and begin with what a map shows; without a map, with nothing."""
+        self.grid.use_map(floor)
+        self.has_jumped = True  # the frame of planning is another one
+        self.forget()
+
+    def forget_unmapped(self, age: float) -> bool:
+        """Forget obstacles that the map does not show and that were seen s ago last; return whether there were any."""
+        return self.grid.forget_unmapped(self._stamp - age)
+
+    def doubt_map(self) -> bool:
+        """Forget what only the map shows, if sensors contradict much of it; return whether that was so."""
+        return self.grid.doubt_map()
 
     def begin_trail(self) -> None:
         """Begin the path of a mission."""
@@ -138,20 +161,35 @@ class Memory:
         area = self.grid.area.around(self.place, margin=ASIDE_RANGE)
         return terrain(area, self.half_width, self.parameters.cost, robot=self.place)
 
-    def picture(self) -> dict[str, Any]:
-        """Return the knowledge for a picture, as JSON."""
-        return {"grid": self.grid.area.drawn(), "trail": [list(place) for place in self.trail], **self._doors_drawn()}
+    def forbidden_near(self) -> Floats:
+        """Return places along the edges of forbidden cells near the robot, m, shape (n, 2)."""
+        area = self.grid.area.around(self.place, margin=FORBIDDEN_RANGE)
+        is_edge = area.forbidden.copy()
+        is_edge[1:-1, 1:-1] &= ~(
+            area.forbidden[:-2, 1:-1] & area.forbidden[2:, 1:-1] & area.forbidden[1:-1, :-2] & area.forbidden[1:-1, 2:]
+        )
+        rows, columns = np.nonzero(is_edge)
+        return np.stack((area.x + (columns + 0.5) * area.resolution, area.y + (rows + 0.5) * area.resolution), axis=1)
 
-    def _doors_drawn(self) -> Mapping[str, Any]:
-        told = self.doors.to_json()
+    def picture(self, in_odom: Callable[[Pose], Pose]) -> dict[str, Any]:
+        """Return the knowledge for a picture, as JSON; in_odom: converts a pose of the frame of planning."""
+
+        def placed(place: Place) -> list[float]:
+            return list(in_odom((*place, 0.0))[:2])
+
+        trail = [placed(place) for place in self.trail]
+        return {"grid": self.grid.area.drawn(), "trail": trail, **self._doors_drawn(in_odom, placed)}
+
+    def _doors_drawn(
+        self, in_odom: Callable[[Pose], Pose], placed: Callable[[Place], list[float]]
+    ) -> Mapping[str, Any]:
+        ways = self.doors.to_json()["ways"]
         believed = {number for number, _ in self.doors.believed}
         return {
             "doors": [
                 {
-                    "x": door.x,
-                    "y": door.y,
+                    **dict(zip(("x", "y", "normal"), in_odom((door.x, door.y, door.normal)), strict=True)),
                     "width": door.width,
-                    "normal": door.normal,
                     "confidence": door.confidence,
                     "sightings": door.sightings,
                     "passed": door.passed,
@@ -159,7 +197,7 @@ class Memory:
                 }
                 for number, door in enumerate(self.doors.doors)
             ],
-            "ways": told["ways"],
+            "ways": [{**way, "points": [placed(point) for point in way["points"]]} for way in ways],
         }
 
     def _hints(self, now: float) -> Hints:

@@ -2,20 +2,40 @@
 
 from collections import deque
 from collections.abc import Callable
+from dataclasses import dataclass, replace
 from math import inf
 from typing import Any
 
 from apps.indoor_navigation.algorithms.outline import Outline
 from apps.indoor_navigation.algorithms.planning.driving import Driving
+from apps.indoor_navigation.algorithms.planning.floor import FloorMap
+from apps.indoor_navigation.algorithms.planning.frames import MAP, ODOM, PlanFrame
 from apps.indoor_navigation.algorithms.planning.memory import Memory
 from apps.indoor_navigation.algorithms.planning.orders import REST, MissionNote, MissionParameters, Order
 from apps.indoor_navigation.algorithms.planning.pausing import Pausing
+from apps.indoor_navigation.algorithms.planning.plan import Motion
+from apps.indoor_navigation.algorithms.planning.recovering import Recovering
 from apps.indoor_navigation.algorithms.planning.situation import Situation
 from apps.indoor_navigation.algorithms.planning.states import ACTIVE, MOVING, MissionEvent, MissionState
 from apps.indoor_navigation.algorithms.planning.waiting import FOR_SIGHT
-from apps.indoor_navigation.data import GoalPoint, ObstRead
+from apps.indoor_navigation.data import DIGITS, DLEData, GoalPoint, ObstRead
+from geometry import Pose2D
 
+FIX_TIMEOUT = 4.0  # s for the localization to say where the robot is, and for its map to come
 MAX_CHANGES = 8  # of state in one step; no sequence without an order is as long
+
+
+@dataclass(frozen=True, slots=True)
+class MapFix:
+    """What the localization knows.
+
+    odom: pose of odom on the map; None while the robot is not localized. why: that is. floor: the map; None until it
+    has come.
+    """
+
+    odom: Pose2D | None
+    floor: FloorMap | None
+    why: str = ""
 
 
 class Navigator:
@@ -26,10 +46,14 @@ class Navigator:
         self.parameters = parameters
         self.memory = Memory(parameters.guide.memory, Outline(half_width, half_width, 2.0 * half_width))
         self._situation = Situation(parameters, self.memory)
+        self._frame = PlanFrame()
+        self._floor: FloorMap | None = None
+        self._reading: ObstRead | None = None  # the last one, in odom
         driving, pausing = Driving(self._situation), Pausing(self._situation)
         self._handlers: dict[MissionState, Callable[[float], Order | None]] = {
             MissionState.REPLANNING: pausing.replan,
             MissionState.WAITING: pausing.wait,
+            MissionState.LOST: Recovering(self._situation).seek,
             **dict.fromkeys(MOVING, driving.follow),
         }
 
@@ -68,16 +92,16 @@ class Navigator:
             return
         if self.is_active and situation.goal.mission != goal.mission:
             situation.note("warning", f"given up, because {goal.mission} replaces it")
-        situation.begin(goal, now)
+        situation.begin(goal, self._frame.goal(goal) if goal.is_sound else goal, now)
         if not goal.is_sound:
             told = f"x {goal.x!r}, y {goal.y!r}, heading {goal.heading!r}, tolerance {goal.tolerance!r}"
             situation.give_up(now, f"{told} is not a valid goal; give finite numbers, and a tolerance above 0")
 
     def see(self, reading: ObstRead, now: float) -> None:
-        """Take a reading of obstacles."""
+        """Take a reading of obstacles, in odom."""
         situation = self._situation
-        situation.seen_at = now
-        if self.memory.see(reading):
+        situation.seen_at, self._reading = now, reading
+        if self.memory.see(self._frame.reading(reading)):
             situation.progress.begin()
             if self.is_active:
                 situation.is_there, situation.no_way_since = False, inf
@@ -85,11 +109,67 @@ class Navigator:
                     MissionEvent.POSE_JUMPED, now, "the robot's pose was set anew, and all that was seen is forgotten"
                 )
 
+    def see_doors(self, data: DLEData) -> None:
+        """Take the doors of a scan, in odom."""
+        self.memory.doors.see(self._frame.doors(data))
+
+    def localize(self, fix: MapFix | None, now: float) -> None:
+        """Take what the localization knows: the place of odom on a map; None without a localization."""
+        if fix is not None and fix.odom is not None and fix.floor is not None:
+            if not self._frame.is_map or fix.floor is not self._floor:
+                self._enter(fix.floor, fix.odom, now)
+            elif self._reading is None or self._frame.is_corrected_by(fix.odom, self._reading.pose):
+                self._frame = PlanFrame(MAP, fix.odom)
+        elif self._frame.is_map:
+            self._leave(fix.why if fix is not None else "the localization has ended", now)
+
+    def _enter(self, floor: FloorMap, odom: Pose2D, now: float) -> None:
+        """Plan on a map from now on."""
+        situation = self._situation
+        self._use(PlanFrame(MAP, odom), floor)
+        if not self.is_active:
+            return
+        words = "the robot knows its place on the map"
+        situation.note("info", f"{words} again" if situation.seeking is not None else words)
+        situation.seeking = None
+        situation.set_goal(self._frame.goal(situation.told))
+        situation.machine.happens(MissionEvent.POSE_JUMPED, now, words)
+
+    def _leave(self, why: str, now: float) -> None:
+        """Plan by the sensors alone from now on."""
+        situation = self._situation
+        self._use(PlanFrame(), None)
+        if not self.is_active:
+            return
+        if situation.told.frame == MAP:
+            situation.lose(now, why)
+        else:
+            situation.set_goal(situation.told)
+            situation.machine.happens(MissionEvent.POSE_JUMPED, now, f"continues without a map: {why}")
+
+    def _use(self, frame: PlanFrame, floor: FloorMap | None) -> None:
+        self._frame, self._floor = frame, floor
+        self.memory.use_map(floor)
+        if self._reading is not None:
+            self.memory.see(frame.reading(self._reading))
+
     # Outputs.
 
     def step(self, now: float) -> Order:
-        """Return the order for now."""
+        """Return the order for now, in odom."""
+        order = self._step(now)
+        if order.aim in (Motion.GO, Motion.BACK):
+            speed = order.speed / 2.0 if self._situation.seeking is not None else order.speed
+            barred = tuple(self.memory.forbidden_near().round(DIGITS).ravel().tolist())
+            order = replace(order, speed=speed, barred=barred)
+        return self._frame.order(order)
+
+    def _step(self, now: float) -> Order:
         situation = self._situation
+        if self.is_active and situation.told.frame == MAP and not self._frame.is_map and situation.seeking is None:
+            if now - situation.begun < FIX_TIMEOUT:
+                return REST
+            situation.give_up(now, "the robot is not localized on a map; start that with: acromovi localize")
         for _ in range(MAX_CHANGES):
             if not self.is_active:
                 break
@@ -102,24 +182,44 @@ class Navigator:
         return REST
 
     def status(self) -> dict[str, Any]:
-        """Return the state of the mission as JSON. messages: number of notes. since: s of the clock of the steps."""
-        situation, pose = self._situation, self.memory.pose
+        """Return the state of the mission as JSON. messages: number of notes. since: s of the clock of the steps.
+
+        Places are in odom. frame: that of the planning, `map` while the robot is localized. on_map: the goal as it was
+        given, if that is a place of the map.
+        """
+        situation, pose, frame = self._situation, self.memory.pose, self._frame
         target = situation.guide.sub_target if self.is_active else None
+        told = situation.told
         return {
             "mission": situation.goal.mission,
             "state": str(self.state),
             "why": self.why,
             "messages": situation.noted,
             "since": situation.machine.since,
-            "goal": situation.goal.to_json(),
-            "sub_target": list(target) if target is not None else None,
+            "goal": self._goal_in_odom(told).to_json(),
+            "on_map": [told.x, told.y, told.heading] if told.frame == MAP else None,
+            "frame": frame.name,
+            "sub_target": list(frame.place_in_odom(target)) if target is not None else None,
             "travelled": self.memory.travelled,
-            "pose": list(pose) if pose is not None else None,
+            "pose": list(frame.in_odom(pose)) if pose is not None else None,
         }
 
     def picture(self) -> dict[str, Any]:
-        """Return the data of a picture as JSON. route: points from the robot on. ends: of the pieces."""
-        guide = self._situation.guide
+        """Return the data of a picture as JSON, in odom. route: points from the robot on. ends: of the pieces."""
+        guide, frame = self._situation.guide, self._frame
         points, ends = (guide.points, guide.ends) if self.is_active else ((), ())
-        route = {"route": [list(point) for point in points], "ends": [list(end) for end in ends]}
-        return {**self.status(), **self.memory.picture(), **route}
+        known = self.memory.picture(frame.in_odom)
+        if frame.is_map:
+            known["grid"] = self.memory.grid.area.turned(Pose2D().relative_to(frame.odom)).drawn()
+        route = {
+            "route": [list(frame.place_in_odom(point)) for point in points],
+            "ends": [list(frame.place_in_odom(end)) for end in ends],
+        }
+        return {**self.status(), **known, **route}
+
+    def _goal_in_odom(self, goal: GoalPoint) -> GoalPoint:
+        """Return a goal as it is in odom now; one of a map stays as it is while the robot is not localized."""
+        if goal.frame != MAP or not self._frame.is_map or goal.x is None or goal.y is None or not goal.is_sound:
+            return goal
+        x, y, heading = self._frame.in_odom((goal.x, goal.y, goal.heading or 0.0))
+        return replace(goal, x=x, y=y, heading=None if goal.heading is None else heading, frame=ODOM)

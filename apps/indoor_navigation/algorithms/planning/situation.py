@@ -1,6 +1,7 @@
 """The state of a mission, shared by `Driving`, `Pausing` and `Navigator`."""
 
 from collections import deque
+from dataclasses import dataclass, field
 from math import inf
 
 from apps.indoor_navigation.algorithms.planning.guide import Guide, place_text
@@ -16,9 +17,23 @@ MAX_NOTES = 64  # messages that wait to be sent
 WAITING_LOOK = 0.5  # s between two searches for a way while the robot waits
 
 
+@dataclass(slots=True)
+class Seeking:
+    """A robot that has lost its place on the map looks for it.
+
+    since: s. why: what the localization says. places: that it drove to for that.
+    """
+
+    since: float
+    why: str
+    places: list[Place] = field(default_factory=list)
+
+
 class Situation:
     """All times are s of one steady clock.
 
+    told, begun: the goal as it was given, and when, s. goal: the present one in the frame of planning. seeking: None
+    unless the robot is lost.
     notes: messages for people. noted: number of notes of this mission. waiting: reason and end in the state WAITING.
     barred: where the way was barred last. no_way_since: s. looked_at: s of the last search for a way. seen_at: s of the
     last reading. is_there: whether only the final turn is left. doubts: an obstacle at the goal may be a person.
@@ -34,14 +49,34 @@ class Situation:
         self.progress = Progress(parameters.progress)
         self.waiting = FOR_SIGHT
         self.seen_at = -inf
+        self.seeking: Seeking | None = None
         self._set_out(GoalPoint("", None, None))
 
-    def begin(self, goal: GoalPoint, now: float) -> None:
-        """Begin a mission."""
+    def begin(self, told: GoalPoint, goal: GoalPoint, now: float) -> None:
+        """Begin a mission; goal: in the frame of planning."""
+        self.seeking = None
         self._set_out(goal)
+        self.told, self.begun = told, now
         self.progress.begin()
         self.memory.begin_trail()
+        self.memory.forget_unmapped(self.memory.parameters.remember)
         self.machine.happens(MissionEvent.TOLD, now, "told where to go")
+
+    def set_goal(self, goal: GoalPoint) -> None:
+        """Plan to another place from now on, for the same mission."""
+        self.goal, self.guide = goal, Guide(self.parameters.guide, self.memory, goal)
+        self.making_way.waiting = None
+        self.barred: Place | None = None
+        self.no_way_since, self.looked_at = inf, -inf
+        self.is_there, self.doubts = False, True
+        self.progress.begin()
+
+    def lose(self, now: float, why: str) -> None:
+        """Begin to look for the place of the robot on the map."""
+        self.seeking = Seeking(now, why)
+        here = self.memory.place if self.memory.pose is not None else (0.0, 0.0)
+        self.set_goal(GoalPoint(self.goal.mission, *here))
+        self.machine.happens(MissionEvent.LOST, now, f"the robot has lost its place on the map: {why}")
 
     @property
     def state(self) -> MissionState:
@@ -81,12 +116,18 @@ class Situation:
             self.note("info", "nobody has to be made way for any more")
 
     def arrive(self, now: float) -> None:
-        """End a mission that has reached its goal."""
+        """End a mission that has reached its goal; a robot that is lost goes on to look for its place."""
+        if self.seeking is not None:
+            self.machine.happens(MissionEvent.LOST, now, f"still not found: {self.seeking.why}")
+            return
         self.memory.end_trail()
         self.machine.happens(MissionEvent.ARRIVED, now, f"there, after {self.memory.travelled:.1f} m")
 
     def give_up(self, now: float, why: str) -> None:
-        """End a mission that cannot reach its goal."""
+        """End a mission that cannot reach its goal; a robot that is lost looks for another place."""
+        if self.seeking is not None:
+            self.machine.happens(MissionEvent.LOST, now, f"still not found: {self.seeking.why}")
+            return
         self.machine.happens(MissionEvent.GIVEN_UP, now, why)
 
     def has_tried_enough(self, now: float) -> bool:
@@ -104,8 +145,9 @@ class Situation:
 
     def _set_out(self, goal: GoalPoint) -> None:
         self.goal, self.guide, self.noted = goal, Guide(self.parameters.guide, self.memory, goal), 0
+        self.told, self.begun = goal, -inf
         self.making_way = MakingWay(self.parameters.courtesies)
-        self.barred: Place | None = None
+        self.barred = None
         self.no_way_since, self.looked_at = inf, -inf
         self.is_there, self.doubts = False, True
 
@@ -113,5 +155,7 @@ class Situation:
         self.progress.go_on()
         if change.after in (MissionState.WAITING, MissionState.REPLANNING):
             self.making_way.end(change.at)
-        level = {MissionState.FAILED: "error", MissionState.WAITING: "warning"}.get(change.after, "info")
+        level = {MissionState.FAILED: "error", MissionState.WAITING: "warning", MissionState.LOST: "warning"}.get(
+            change.after, "info"
+        )
         self.note(level, f"{change.after}: {change.why}")

@@ -17,6 +17,7 @@ class MissionState(StrEnum):
     BACKING = "backing"
     WAITING = "waiting"
     REPLANNING = "re-planning"
+    LOST = "lost"
     DONE = "done"
     FAILED = "failed"
     CANCELLED = "cancelled"
@@ -39,12 +40,14 @@ class MissionEvent(StrEnum):
     BLIND = "blind"
     SEES_AGAIN = "sees again"
     POSE_JUMPED = "pose jumped"
+    LOST = "lost"
+    SEEKS = "seeks"
     ARRIVED = "arrived"
     GIVEN_UP = "given up"
 
 
 MOVING: Final = (MissionState.TURNING, MissionState.GOING, MissionState.PASSING, MissionState.BACKING)
-ACTIVE: Final = (*MOVING, MissionState.WAITING, MissionState.REPLANNING)
+ACTIVE: Final = (*MOVING, MissionState.WAITING, MissionState.REPLANNING, MissionState.LOST)
 
 TRANSITIONS: Final[Mapping[tuple[MissionState, MissionEvent], MissionState]] = {
     **from_each(MissionState, MissionEvent.TOLD, MissionState.REPLANNING),
@@ -52,6 +55,8 @@ TRANSITIONS: Final[Mapping[tuple[MissionState, MissionEvent], MissionState]] = {
     **from_each(ACTIVE, MissionEvent.GIVEN_UP, MissionState.FAILED),
     **from_each(ACTIVE, MissionEvent.BLIND, MissionState.WAITING),
     **from_each(ACTIVE, MissionEvent.POSE_JUMPED, MissionState.REPLANNING),
+    **from_each(ACTIVE, MissionEvent.LOST, MissionState.LOST),
+    (MissionState.LOST, MissionEvent.SEEKS): MissionState.REPLANNING,
     **from_each(
         (MissionState.REPLANNING, MissionState.WAITING, MissionState.GOING), MissionEvent.WAY_FOUND, MissionState.GOING
     ),

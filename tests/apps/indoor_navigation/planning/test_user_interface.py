@@ -141,7 +141,7 @@ def test_state_and_picture_are_those_of_planning(site: Site, planner: Planner, p
         ({"x": 1.0, "y": 1.0, "heading": True}, "heading must be a number, not True"),
         ({"x": 1.0, "y": 1.0, "heading": "north"}, "heading must be a number, not 'north'"),
         ({"x": 1.0, "y": 1.0, "tolerance": 0.0}, "tolerance must be above 0 m, not 0"),
-        ({"x": "far", "y": 1.0}, "go takes x as float, not str"),
+        ({"x": "far", "y": 1.0}, "x must be a number, not 'far'"),
     ],
 )
 def test_what_is_no_goal_is_refused(planner: Planner, person: Person, arguments: dict[str, Any], why: str) -> None:
