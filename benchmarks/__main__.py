@@ -37,6 +37,7 @@ GROUPS = {
     "navigation_idle": "what the navigation costs after a mission, and how soon the next one wakes it",
     "doors": "doors found in generated laser scans, and the time that one scan takes",
     "missions": "three hundred missions of the indoor navigation in lockstep; writes missions.md and pictures",
+    "map_navigation": "missions on a map: static, changed, with people and a second robot; writes a table and a picture",
     "mapping": "maps of laser scans against the truth, in lockstep; writes mapping.md and pictures",
     "formation": "formations of three to five robots in lockstep; writes formation.md and pictures",
     "following": "robots that follow each other by sight, rendered in lockstep; writes following.md and pictures",
@@ -72,6 +73,9 @@ def main(argv: Sequence[str] | None = None) -> int:
     parser.add_argument("--minutes", type=float, default=10.0, help="length of the cadence run (default: 10)")
     parser.add_argument("--soak-minutes", type=float, default=2.0, help="length of the soak run (default: 2)")
     parser.add_argument("--soak-pace", type=float, default=33.0, help="its sessions per minute (default: 33)")
+    parser.add_argument(
+        "--goals", type=int, default=10, help="goals of each condition of map_navigation (default: 10; all: 200)"
+    )
     parser.add_argument("--map", metavar="FILE", action="append", help="build the map of this world too; repeatable")
     parser.add_argument("--peer", metavar="HOST:PORT", help="compare the emulator with a simulator on this TCP port")
     parser.add_argument(

@@ -64,12 +64,12 @@ def explore(name: str, world: WorldSpec, seed: int, *, model: str = "p3dx-sh", f
                 missions += order.goal is not None
                 goal = None
                 if order.goal is not None:
-                    goal = course.start.transform(*Pose2D(*progress["odom"]).locate(*order.goal))
+                    goal = course.robot.start.transform(*Pose2D(*progress["odom"]).locate(*order.goal))
                 course.tell(goal, mission=f"frontier {missions}")
         seconds = course.time - began
         frame = course.pose.compose(Pose2D().relative_to(Pose2D(*work.progress()["pose"])))
         work.refine()
-        seen = _seen(world, course.start, work.grid(), frame)
+        seen = _seen(world, course.robot.start, work.grid(), frame)
         ended = explorer.is_finished
         driven = work.progress()["driven"]
         return Explored(name, seed, ended, seconds, driven, missions, seen, tuple(touched), work.map(), tuple(way))

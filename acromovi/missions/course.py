@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from acromovi.lockstep import SETTINGS, Lockstep
-from agents.platform import Container, Kinds, Report
+from agents.platform import Agent, Container, Kinds, Report
 from agents.platform.virtual_time import VirtualTimeLoop
 from apps.indoor_navigation.component import Component, query_key, send_key
 from apps.indoor_navigation.data import GoalPoint, LogMessage
@@ -95,6 +95,144 @@ class Played:
     touched: tuple[str, ...] = ()
 
 
+class NavigatedRobot(Closeable):
+    """One robot of a lockstep, its navigation, and what it tells of its missions.
+
+    track: of the present mission. told, reports: what the navigation told the person, and what went wrong in it.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        lockstep: Lockstep,
+        loop: VirtualTimeLoop,
+        instead: Mapping[str, type[Component]] | None = None,
+    ) -> None:
+        """Listen to a robot; its components are started later.
+
+        Args:
+            name: Of the robot.
+            lockstep: With the robot.
+            loop: In which components run; others step it along with the lockstep.
+            instead: Classes that take the place of components, by their names.
+        """
+        self.name = name
+        self.track = Track()
+        self.reports: list[str] = []
+        self.told: list[LogMessage] = []
+        self.start = lockstep.truth(name)
+        self._lockstep, self._loop = lockstep, loop
+        self._bus = lockstep.bus()
+        self._odom = Pose2D()
+        self._told_at, self._touches = 0.0, 0
+        self._bus.subscribe(keys.ODOM.key(name), self._follow)
+        self._bus.subscribe(send_key(name, "user_interface", LogMessage), self._hear)
+        self._home = Container(lockstep.bus(), name, self._note, lambda: lockstep.time)
+        self._wiring = load_wiring()
+        self._instead = instead or {}
+
+    @property
+    def pose(self) -> Pose2D:
+        """Where the robot truly is."""
+        return self._lockstep.truth(self.name)
+
+    @property
+    def believed(self) -> Pose2D:
+        """Where its odometry has it, in the world's frame."""
+        return self.start.compose(self._odom)
+
+    @property
+    def seconds(self) -> float:
+        """Since the present mission was told."""
+        return self._lockstep.time - self._told_at
+
+    def sample(self) -> None:
+        """Note where the robot is."""
+        self.track.true.append(self.pose)
+        self.track.believed.append(self.believed)
+
+    def start_components(self) -> None:
+        """Start the whole navigation."""
+        for part in self._wiring.parts:
+            self.start_component(part.local)
+
+    def start_component(self, local: str) -> None:
+        """Start a component.
+
+        Raises:
+            StopIteration: There is no such component.
+        """
+        part = next(part for part in self._wiring.parts if part.local == local)
+        kind = self._instead.get(local) or Kinds().find(part.kind)
+        self.start_agent(kind(part.agent(self.name), part.properties))
+
+    def start_agent(self, agent: Agent) -> None:
+        """Start an agent beside the components."""
+        self.do(self._home.start(agent))
+
+    def tell(
+        self, goal: Point | None, *, mission: str = "mission", heading: float | None = None, on_map: bool = False
+    ) -> None:
+        """Send the robot somewhere, or nowhere: that cancels the mission. What is noted begins anew.
+
+        Args:
+            goal: m in the world.
+            mission: Its name.
+            heading: At the end, rad in the world; None for any.
+            on_map: The goal is a place of the map, whose frame is that of the world; otherwise one in odom.
+        """
+        self.track, self.told, self.reports = Track(), [], []
+        self._told_at, self._touches = self._lockstep.time, self._lockstep.world.touches(self.name).count
+        x, y = goal if goal is not None else (None, None)
+        if goal is not None and not on_map:
+            x, y = self.start.locate(*goal)
+            heading = None if heading is None else wrap_angle(heading - self.start.heading)
+        told = GoalPoint(mission, x, y, heading, frame="map" if on_map else "odom").to_json()
+        self._bus.send(send_key(self.name, "path_planning", GoalPoint), told)
+
+    def ended(self, mission: str = "mission") -> str | None:
+        """How a mission has ended; None while it has not."""
+        told = self.ask("path_planning", "state")
+        return str(told["state"]) if told.get("mission") == mission and told.get("state") in ENDED else None
+
+    def played(self, state: str, seconds: float) -> Played:
+        """What happened since the mission was told."""
+        said = tuple(f"{each.stamp - self._told_at:.1f} s {each.component}: {each.what}" for each in self.told)
+        touches = self._lockstep.world.touches(self.name)
+        count = min(touches.count - self._touches, len(touches.last))
+        touched = tuple(touch.what for touch in touches.last[len(touches.last) - count :])
+        return Played(state, seconds, self.track, said, tuple(self.reports), touched)
+
+    def ask(self, answerer: str, what: str) -> Mapping[str, Any]:
+        """Ask a component; nothing where it does not answer."""
+        try:
+            return self._bus.query(query_key(self.name, answerer, what))[0].value
+        except BusError:
+            return {}
+
+    def do(self, work: Awaitable[T]) -> T:
+        """Let the loop run until this is done."""
+
+        async def done() -> T:
+            return await work
+
+        return self._loop.run_until_complete(done())
+
+    def close(self) -> None:
+        """End its agents."""
+        self.do(self._home.close())
+
+    def _follow(self, sample: Sample) -> None:
+        pose = decode(sample.type_name, sample.payload).pose.pose
+        self._odom = Pose2D(pose.position.x, pose.position.y, heading(pose.orientation))
+
+    def _hear(self, sample: Sample) -> None:
+        self.told.append(LogMessage.from_json(decode_json(sample.payload)))
+
+    def _note(self, report: Report) -> None:
+        self.reports.append(f"{self._lockstep.time:.1f} s {report.agent}: {report.what}: {report.error}")
+
+
 class Course(Closeable):
     """A robot, its world and its navigation. Same arguments and same calls, same missions."""
 
@@ -123,10 +261,6 @@ class Course(Closeable):
             WorldError, ConfigError, FitError: As `Lockstep`.
         """
         self.world = world
-        self.track = Track()
-        self.reports: list[str] = []
-        self.told: list[LogMessage] = []
-        settings = replace(SETTINGS, limits=BRISK)
         self.lockstep = Lockstep(
             world,
             {ROBOT: model},
@@ -134,22 +268,13 @@ class Course(Closeable):
             poses={ROBOT: start} if start is not None else None,
             seed=seed,
             perfect=perfect,
-            settings=settings,
+            settings=replace(SETTINGS, limits=BRISK),
         )
         self.loop = VirtualTimeLoop()
-        self.start = self.lockstep.truth(ROBOT)
-        self._bus = self.lockstep.bus()
-        self._odom = Pose2D()
+        self.robot = NavigatedRobot(ROBOT, self.lockstep, self.loop, instead)
         self._steps = 0
-        self._told_at = 0.0
-        self._bus.subscribe(keys.ODOM.key(ROBOT), self._follow)
-        self._bus.subscribe(send_key(ROBOT, "user_interface", LogMessage), self._hear)
-        self._home = Container(self.lockstep.bus(), ROBOT, self._note, lambda: self.lockstep.time)
-        self._wiring = load_wiring()
-        self._instead = instead or {}
         self.run(1.0)
-        for part in self._wiring.parts:
-            self.start_component(part.local)
+        self.robot.start_components()
         self.run(CONNECTING)
 
     @property
@@ -160,12 +285,7 @@ class Course(Closeable):
     @property
     def pose(self) -> Pose2D:
         """Where the robot truly is."""
-        return self.lockstep.truth(ROBOT)
-
-    @property
-    def believed(self) -> Pose2D:
-        """Where its odometry has it, in the world's frame."""
-        return self.start.compose(self._odom)
+        return self.robot.pose
 
     def run(self, seconds: float) -> None:
         """Let time pass."""
@@ -174,18 +294,7 @@ class Course(Closeable):
             self.loop.run_for(STEP)
             self._steps += 1
             if self._steps % PERIOD == 0:
-                self.track.true.append(self.pose)
-                self.track.believed.append(self.believed)
-
-    def start_component(self, local: str) -> None:
-        """Start a component.
-
-        Raises:
-            StopIteration: There is no such component.
-        """
-        part = next(part for part in self._wiring.parts if part.local == local)
-        kind = self._instead.get(local) or Kinds().find(part.kind)
-        self._do(self._home.start(kind(part.agent(ROBOT), part.properties)))
+                self.robot.sample()
 
     def go(self, goal: Point, *, limit: float = 300.0, mission: str = "mission") -> Played:
         """Send the robot to a place of the world, and let time pass until it says that the mission has ended.
@@ -200,54 +309,27 @@ class Course(Closeable):
 
     def wait(self, limit: float = 300.0, mission: str = "mission") -> Played:
         """Let time pass until a mission that has been told has ended; what happened since it was told."""
-        state = "late"
-        while self.time - self._told_at < limit:
+        state = None
+        while state is None and self.robot.seconds < limit:
             self.run(LOOK * STEP)
-            told = self.ask("path_planning", "state")
-            if told.get("mission") == mission and told.get("state") in ENDED:
-                state = told["state"]
-                break
-        seconds = self.time - self._told_at
+            state = self.robot.ended(mission)
+        seconds = self.robot.seconds
         self.run(SETTLE)
-        touched = tuple(touch.what for touch in self.lockstep.world.touches(ROBOT).last)
-        said = tuple(f"{each.stamp - self._told_at:.1f} s {each.component}: {each.what}" for each in self.told)
-        return Played(state, seconds, self.track, said, tuple(self.reports), touched)
+        return self.robot.played(state or "late", seconds)
 
     def tell(self, goal: Point | None, *, mission: str = "mission") -> None:
         """Send the robot somewhere, or nowhere: that cancels the mission. What is noted begins anew."""
-        self.track, self.told, self.reports, self._told_at = Track(), [], [], self.time
-        x, y = self.start.locate(*goal) if goal is not None else (None, None)
-        told = GoalPoint(mission, x, y).to_json()
-        self._bus.send(send_key(ROBOT, "path_planning", GoalPoint), told)
+        self.robot.tell(goal, mission=mission)
 
     def ask(self, answerer: str, what: str) -> Mapping[str, Any]:
         """Ask a component; nothing where it does not answer."""
-        try:
-            return self._bus.query(query_key(ROBOT, answerer, what))[0].value
-        except BusError:
-            return {}
+        return self.robot.ask(answerer, what)
 
     def close(self) -> None:
         """End everything."""
-        self._do(self._home.close())
+        self.robot.close()
         self.lockstep.close()
         self.loop.close()
-
-    def _do(self, work: Awaitable[T]) -> T:
-        async def done() -> T:
-            return await work
-
-        return self.loop.run_until_complete(done())
-
-    def _follow(self, sample: Sample) -> None:
-        pose = decode(sample.type_name, sample.payload).pose.pose
-        self._odom = Pose2D(pose.position.x, pose.position.y, heading(pose.orientation))
-
-    def _hear(self, sample: Sample) -> None:
-        self.told.append(LogMessage.from_json(decode_json(sample.payload)))
-
-    def _note(self, report: Report) -> None:
-        self.reports.append(f"{self.time:.1f} s {report.agent}: {report.what}: {report.error}")
 
 
 def _speed(a: Pose2D, b: Pose2D) -> tuple[float, float]:

@@ -1,0 +1,118 @@
+"""Missions on a map in lockstep, judged by the truth; writes map-navigation.json and map-navigation.png."""
+
+import argparse
+import json
+import math
+import os
+import statistics
+from collections.abc import Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from benchmarks.figures import Figure, percentile
+from benchmarks.map_course import FloorJob, GoalScore, MapCondition, play_floor
+from p2os_emu.world import load_world
+
+GROUP = "map_navigation"
+FIRST_SEED = 900  # it was tried on seeds and plans below 100
+GOALS = 10  # on one floor
+SHARES = {MapCondition.STATIC: 0.5, MapCondition.CHANGED: 3.0, MapCondition.BUSY: 3.0}
+"""Percent of goals that may be missed."""
+MOST_PICTURES = 12
+PICTURE_COLUMNS = 4
+
+
+def measure(options: argparse.Namespace) -> list[Figure]:
+    """Play all goals, several floors at the same time."""
+    options.out.mkdir(parents=True, exist_ok=True)
+    scores: list[GoalScore] = []
+    with ProcessPoolExecutor(os.cpu_count(), initializer=_be_one_core) as pool:
+        for future in as_completed([pool.submit(play_floor, job) for job in jobs(options.goals)]):
+            scores += future.result()
+            _print(scores[-1].job, scores)
+    scores.sort(key=lambda score: (str(score.job.condition), score.job.seed, score.number))
+    table = [_row(score) for score in scores]
+    (options.out / "map-navigation.json").write_text(json.dumps(table, indent=1) + "\n", encoding="utf-8")
+    draw(options.out / "map-navigation.png", scores)
+    return figures(scores)
+
+
+def jobs(goals: int) -> list[FloorJob]:
+    """Return the floors with so many goals of each condition: generated plans, and the office each third time."""
+    found = []
+    for condition in MapCondition:
+        for number, first in enumerate(range(0, goals, GOALS)):
+            seed = FIRST_SEED + number
+            # The office has no doors that close.
+            is_office = number % 3 == 1 and condition is not MapCondition.CHANGED
+            world = "office" if is_office else f"plan:{seed}"
+            found.append(FloorJob(world, seed, condition, min(GOALS, goals - first)))
+    return found
+
+
+def figures(scores: Sequence[GoalScore]) -> list[Figure]:
+    """Return the figures of some goals."""
+    found = []
+    for condition in MapCondition:
+        here = [score for score in scores if score.job.condition is condition]
+        if not here:
+            continue
+        missed = 100.0 * sum(not score.is_reached for score in here) / len(here)
+        found.append(Figure(GROUP, f"{condition}: goals not reached", missed, SHARES[condition], "%", len(here)))
+        touched = sum(bool(score.touched) for score in here)
+        found.append(Figure(GROUP, f"{condition}: goals with a contact", touched, 0, "", len(here)))
+        reached = [score for score in here if score.is_reached]
+        if condition is MapCondition.STATIC and reached:
+            ratios = [score.length / score.shortest for score in reached]
+            about = "static: path over the shortest path"
+            found.append(Figure(GROUP, f"{about}, mean", statistics.mean(ratios), 1.15, "", len(reached)))
+            found.append(Figure(GROUP, f"{about}, p95", percentile(ratios, 95), 1.3, "", len(reached)))
+    return found
+
+
+def draw(path: Path, scores: Sequence[GoalScore]) -> None:
+    """Draw one static floor, and the goals that were missed or with a contact."""
+    from matplotlib.figure import Figure as Page  # slow to import, and only needed here
+
+    from acromovi.missions.picture import draw_world
+
+    bad = [score for score in scores if not score.is_reached or score.touched]
+    first = [score for score in scores if score.job == scores[0].job and score not in bad]
+    panels = [first, *([score] for score in bad[:MOST_PICTURES])]
+    rows = math.ceil(len(panels) / PICTURE_COLUMNS)
+    columns = min(len(panels), PICTURE_COLUMNS)
+    page = Page(figsize=(5.5 * columns, 4.5 * rows), layout="constrained")
+    for panel, axes in zip(panels, page.subplots(rows, columns, squeeze=False).ravel(), strict=False):
+        if not panel:
+            continue
+        draw_world(axes, load_world(panel[0].job.world))
+        for score in panel:
+            axes.plot([p.x for p in score.path], [p.y for p in score.path], linewidth=1.5)
+            axes.plot(*score.goal, "*", color="black")
+        job, why = panel[0].job, panel[0].why if len(panel) == 1 else ""
+        title = f"{job.condition}, {job.world}, seed {job.seed}"
+        touched = f"touched {', '.join(panel[0].touched)}" if len(panel) == 1 and panel[0].touched else ""
+        axes.set_title("\n".join(filter(None, (title, why[:80], touched[:80]))), fontsize=8)
+    page.savefig(path, dpi=80)
+
+
+def _row(score: GoalScore) -> dict[str, Any]:
+    """Return a goal as JSON, without its path."""
+    row = asdict(score)
+    about = row.pop("job")
+    del row["path"], about["goals"]
+    return {**about, **row}
+
+
+def _print(job: FloorJob, scores: Sequence[GoalScore]) -> None:
+    here = [score for score in scores if score.job == job]
+    reached, touched = sum(s.is_reached for s in here), sum(bool(s.touched) for s in here)
+    print(f"   {job.condition} {job.world} {job.seed}: {reached} of {len(here)}, {touched} with a contact", flush=True)
+
+
+def _be_one_core() -> None:
+    """Each process has a core of its own: no threads of numpy's beside it."""
+    for library in ("OPENBLAS", "OMP", "MKL"):
+        os.environ[f"{library}_NUM_THREADS"] = "1"
