@@ -37,7 +37,7 @@ GROUPS = {
     "navigation_idle": "what the navigation costs after a mission, and how soon the next one wakes it",
     "doors": "doors found in generated laser scans, and the time that one scan takes",
     "missions": "three hundred missions of the indoor navigation in lockstep; writes missions.md and pictures",
-    "map_navigation": "missions on a map: static, changed, with people and a second robot; writes a table and a picture",
+    "map_navigation": "missions on a map: static, changed, with people and a second robot; writes table and picture",
     "mapping": "maps of laser scans against the truth, in lockstep; writes mapping.md and pictures",
     "formation": "formations of three to five robots in lockstep; writes formation.md and pictures",
     "following": "robots that follow each other by sight, rendered in lockstep; writes following.md and pictures",

@@ -55,6 +55,7 @@ class Memory:
         self.has_jumped = False
         self.trail: list[Place] = []
         self._stamp = 0.0
+        self._has_begun = False  # a mission, since the last reading
         self._avoided: list[tuple[Strip, float]] = []
         self._ways: tuple[Strip, ...] = ()  # of earlier missions
         self._node: int | None = None  # the door that was passed last
@@ -83,6 +84,9 @@ class Memory:
             self.forget()
         self._go(reading.pose)
         self._stamp = reading.stamp
+        if self._has_begun:  # only now it is known how much time has passed since the mission before
+            self._has_begun = False
+            self.forget_unmapped(self.parameters.remember)
         self.grid.see(reading)
         return jumped
 
@@ -113,6 +117,7 @@ class Memory:
         self._node, self._since_node = None, 0
         self._ways = self.doors.gone_before()
         self.travelled = 0.0
+        self._has_begun = True
 
     def end_trail(self) -> None:
         """Remember the path of a mission that has reached its goal."""

@@ -59,7 +59,6 @@ class Situation:
         self.told, self.begun = told, now
         self.progress.begin()
         self.memory.begin_trail()
-        self.memory.forget_unmapped(self.memory.parameters.remember)
         self.machine.happens(MissionEvent.TOLD, now, "told where to go")
 
     def set_goal(self, goal: GoalPoint) -> None:

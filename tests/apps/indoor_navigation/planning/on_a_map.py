@@ -9,15 +9,18 @@ from zlib import compress
 
 import numpy as np
 
+from agents.platform import Agent, request
 from apps.indoor_navigation.algorithms.planning.floor import FloorMap
 from apps.indoor_navigation.algorithms.planning.mission import MapFix, Navigator
 from apps.indoor_navigation.algorithms.planning.orders import Order
 from apps.indoor_navigation.data import DLEData, GoalPoint, ObstRead
 from apps.indoor_navigation.parameters import shipped_parameters
+from bus import Refused
 from geometry import Cairn, Pose2D, Segment
 from maps.building_map import BuildingMap
 from maps.rasterization import forbidden_cells, grid_of
 from tests.apps.indoor_navigation.planning.house import HALF_WIDTH, House, Walker
+from tests.apps.indoor_navigation.site import ROBOT, Site
 
 LOST = MapFix(None, None, "the readings fit no place")
 
@@ -124,3 +127,36 @@ class MapWalker(Walker):
         # The house turns about the robot, as its odometry has it.
         self.navigator.shifted = here + (self.navigator.shifted - here) * exp(1j * turn)
         self.navigator.turned += turn
+
+
+class Localization(Agent):
+    """The agent of localization, as a test has it: its map, and what it says of the place of odom."""
+
+    def __init__(self, site: Site, floor: FloorMap, number: int = 1) -> None:
+        super().__init__(f"localization@{ROBOT}")
+        self._site, self._floor, self._number = site, floor, number
+        self.place: list[float] | None = [1.0, 2.0, 0.5]
+        self.refuses = ""
+        self.asked = 0
+
+    @request("floor")
+    async def floor(self) -> dict[str, Any]:
+        """Its map."""
+        self.asked += 1
+        if self.refuses:
+            raise Refused(self.refuses)
+        return told(self._floor)
+
+    @request("goal")
+    async def goal(self, place: str = "", x: Any = None, y: Any = None, heading: Any = None) -> dict[str, Any]:
+        """A goal; none called `Nowhere`."""
+        if place == "Nowhere":
+            raise Refused('the map has no goal "Nowhere"')
+        at = [4.0, 5.0, 1.5] if place else [x, y, heading or 0.0]
+        return {"name": place, "map": at, "x": 0.0, "y": 0.0, "heading": 0.0 if place or heading is not None else None}
+
+    def say(self) -> None:
+        """Publish a result."""
+        is_known = self.place is not None
+        about = {"state": "localized" if is_known else "searching", "reason": None if is_known else "it fits no place"}
+        self.publish({**about, "odom_in_map": self.place, "started": self._number})

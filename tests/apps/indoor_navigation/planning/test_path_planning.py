@@ -14,6 +14,8 @@ from apps.indoor_navigation.components.path_planning import PathPlanning
 from apps.indoor_navigation.data import Data, DLEData, Door, GoalPoint, LogMessage, ObstRead, WorldCoord
 from bus import MemoryBus, Sample
 from bus.messages import decode_json
+from tests.apps.indoor_navigation.planning.house import House
+from tests.apps.indoor_navigation.planning.on_a_map import Localization, floor_of
 from tests.apps.indoor_navigation.site import ROBOT, Site
 
 PROPERTIES = {
@@ -233,3 +235,80 @@ def test_a_goal_that_is_none_is_refused_in_words(site: Site, others: Others) -> 
     )
     others.see(0.3)
     assert "error failed: x 'far', y 0.0, heading None, tolerance 0.2 is not a valid goal" in others.said()
+
+
+@pytest.fixture
+def localization(site: Site) -> Localization:
+    agent = Localization(site, floor_of(House([]).box(-6.0, -6.0, 12.0, 12.0)))
+    site.start(agent)
+    return agent
+
+
+def drive(others: Others, localization: Localization, seconds: float) -> None:
+    for _ in range(round(seconds / 0.1)):
+        localization.say()
+        others.see()
+
+
+def test_a_mission_on_the_map_follows_the_localization_and_stops_when_it_is_lost(
+    site: Site, others: Others, localization: Localization
+) -> None:
+    start(site)
+    drive(others, localization, 0.5)
+    others.tell(GoalPoint("m1", 2.8, 3.0, frame="map"))  # 2 m ahead, and 0.1 m to the right
+    drive(others, localization, 1.0)
+    assert localization.asked == 1
+    assert (others.orders[-1].aim, others.orders[-1].is_last) == ("go", True)
+    assert (others.orders[-1].x, others.orders[-1].y) == pytest.approx((2.06, 0.01), abs=0.25)
+    assert site.ask("path_planning", "state")["frame"] == "map"
+    localization.place = [1.0, 1.5, 0.5]  # odometry has drifted
+    drive(others, localization, 0.5)
+    assert (others.orders[-1].x, others.orders[-1].y) == pytest.approx((2.30, 0.45), abs=0.25)
+    localization.place = None
+    drive(others, localization, 0.5)
+    assert others.orders[-1].aim == "rest"
+    assert "warning lost: the robot has lost its place on the map: it fits no place" in others.said()
+    assert site.ask("path_planning", "state")["state"] == "lost"
+    localization.place = [1.0, 1.5, 0.5]
+    drive(others, localization, 0.5)
+    assert others.orders[-1].aim == "go"
+    assert "the robot knows its place on the map again" in others.said()
+
+
+def test_a_localization_that_dies_on_the_way_is_said_and_the_robot_goes_on_by_odometry(
+    site: Site, others: Others, localization: Localization
+) -> None:
+    start(site)
+    drive(others, localization, 0.5)
+    others.tell(GoalPoint("m1", 2.8, 3.0, frame="map"))
+    drive(others, localization, 0.5)
+    site.kill("localization")
+    others.see(5.0)
+    assert others.orders[-1].aim != "rest"
+    assert others.said().count("the localization is silent; the robot continues by its odometry") == 1
+
+
+def test_without_the_map_of_the_localization_the_robot_drives_by_its_sensors(
+    site: Site, others: Others, localization: Localization
+) -> None:
+    localization.refuses = "there is no map"
+    start(site)
+    drive(others, localization, 0.5)
+    others.tell(GoalPoint("m1", 2.0, 0.0))
+    drive(others, localization, 5.0)
+    assert others.orders[-1].x == pytest.approx(2.0, abs=0.2)
+    assert others.said().count("the map does not come: refused: there is no map") == 1
+    assert 2 <= localization.asked <= 5
+
+
+def test_the_map_of_another_localization_is_requested_anew(
+    site: Site, others: Others, localization: Localization
+) -> None:
+    start(site)
+    drive(others, localization, 1.0)
+    site.kill("localization")
+    other = Localization(site, floor_of(House([]).box(-9.0, -9.0, 18.0, 18.0)), number=2)
+    site.start(other)
+    drive(others, other, 3.0)
+    assert (localization.asked, other.asked) == (1, 1)
+    assert site.ask("path_planning", "picture")["grid"]["columns"] > 300

@@ -13,6 +13,8 @@ from apps.indoor_navigation.components.user_interface import MESSAGE_TIMEOUT, Us
 from apps.indoor_navigation.data import GoalPoint, LogMessage
 from bus import MemoryBus, Sample
 from bus.messages import decode_json
+from tests.apps.indoor_navigation.planning.house import House
+from tests.apps.indoor_navigation.planning.on_a_map import Localization, floor_of
 from tests.apps.indoor_navigation.site import ROBOT, Site
 
 FACE = f"user_interface@{ROBOT}"
@@ -210,3 +212,17 @@ def test_the_log_is_what_is_kept_and_what_comes(site: Site, planner: Planner, pe
     assert heard == ["first", "second"]
     listening.cancel()
     site.run(0.1)
+
+
+def test_a_goal_of_the_map_is_that_of_the_localization(site: Site, planner: Planner, person: Person) -> None:
+    assert "the localization gives no goal" in person.ask("go", place="Lab 2").why
+    site.start(Localization(site, floor_of(House([]).box(0.0, 0.0, 9.0, 9.0))))
+    named = person.ask("go", place="Lab 2").result["mission"]
+    placed = person.ask("go", x=1.0, y=2.0, frame="map").result["mission"]
+    assert planner.goals == [
+        GoalPoint(named, 4.0, 5.0, 1.5, 0.25, "map"),
+        GoalPoint(placed, 1.0, 2.0, None, 0.25, "map"),
+    ]
+    assert 'the map has no goal "Nowhere"' in person.ask("go", place="Nowhere").why
+    assert "not both" in person.ask("go", place="Lab 2", x=1.0, y=2.0).why
+    assert "frame must be 'odom' or 'map', not 'base_link'" in person.ask("go", x=1.0, y=2.0, frame="base_link").why
