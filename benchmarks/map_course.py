@@ -16,6 +16,7 @@ from acromovi.lockstep import SETTINGS, Lockstep
 from acromovi.missions.course import BRISK, CONNECTING, LOOK, PERIOD, SETTLE, NavigatedRobot, Played
 from agents.components.localization.localization_agent import LocalizationAgent
 from agents.platform.virtual_time import VirtualTimeLoop
+from agents.services.arbiter import Arbiter
 from benchmarks.localization_drives import map_of_world
 from bus import keys
 from bus.bus import Closeable
@@ -133,7 +134,9 @@ class MapFloor(Closeable):
         for robot in self.robots:
             robot.start_components()
             self._localize(robot, str(map_file))
-        self.run(CONNECTING)
+        # For passages; it gives none in the first three seconds.
+        self.robots[0].start_agent(Arbiter("arbiter@acromovi"))
+        self.run(CONNECTING + 2.0)
 
     def run(self, seconds: float) -> None:
         """Let time pass."""

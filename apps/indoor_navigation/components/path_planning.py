@@ -11,6 +11,7 @@ from apps.indoor_navigation.algorithms.planning.floor import FloorMap
 from apps.indoor_navigation.algorithms.planning.mission import MapFix, Navigator
 from apps.indoor_navigation.algorithms.planning.orders import REST, MissionParameters, Order
 from apps.indoor_navigation.component import Component, Role, answers_query, hears, is_told
+from apps.indoor_navigation.components.passage_leases import PassageLeases
 from apps.indoor_navigation.data import DLEData, GoalPoint, LogMessage, ObstRead, WorldCoord
 from bus import BusUnavailable, Refused
 from geometry import Pose2D
@@ -68,6 +69,7 @@ class PathPlanning(Component):
         self._map_number: Any = None  # of the localization whose map that is
         self._map_at = self._fix_at = float("-inf")
         self.listen_awake(self._localization.results_key, self._hear_localization)
+        self._passages = PassageLeases(self)
         self.every(self.parameters.period, self._step)
         self.add(Cyclic(self._know_robot), Restart())
 
@@ -173,10 +175,14 @@ class PathPlanning(Component):
             if not self._sees and self._now - self.woke_at < self.parameters.mission.silence:
                 return  # it has just woken up
             is_slow = await self._is_fuser_busy()
+            rights = self._navigator.rights
+            rights.grant(self._passages.granted, self._passages.holders)
             order = self._navigator.step(self._now)
+            self._passages.need(rights.needed, self._now)
             self._give(replace(order, speed=order.speed / 2.0) if is_slow else order)
         if not self._navigator.is_active:
             self._give(REST)
+            self._passages.need((), self._now)
             if self._is_under_way:
                 self._keep_doors()
         self._is_under_way = self._navigator.is_active

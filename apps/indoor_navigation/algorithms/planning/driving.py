@@ -5,6 +5,7 @@ from math import inf
 from apps.indoor_navigation.algorithms.planning.guide import place_text
 from apps.indoor_navigation.algorithms.planning.orders import Order
 from apps.indoor_navigation.algorithms.planning.plan import Motion
+from apps.indoor_navigation.algorithms.planning.right_of_way import PATIENCE
 from apps.indoor_navigation.algorithms.planning.situation import Situation
 from apps.indoor_navigation.algorithms.planning.states import MissionEvent, MissionState
 from apps.indoor_navigation.algorithms.planning.waiting import Waiting
@@ -29,7 +30,7 @@ class Driving:
             return None
         if situation.is_there:
             return self._order()
-        if self._is_barred(now):
+        if self._is_barred(now) or self._has_to_give_way(now):
             return None
         situation.end_making_way(now)
         if situation.making_way.waiting is None and now >= situation.looked_at + parameters.look:
@@ -108,6 +109,19 @@ class Driving:
             return False
         why = f"something is in the way, {barrier.ahead:.1f} m ahead"
         waiting = Waiting(why, now, now + parameters.patience, barrier.cost, situation.barred)
+        situation.wait_for(now, MissionEvent.WAY_BARRED, waiting)
+        return True
+
+    def _has_to_give_way(self, now: float) -> bool:
+        """Wait before a passage that another robot has; return whether that is so."""
+        situation, rights = self._situation, self._situation.rights
+        passage = rights.barred
+        if passage is None or situation.making_way.waiting is not None:
+            return False
+        holder = next((rights.holders[name] for name in rights.ahead if name in rights.holders), "another robot")
+        why = f"{holder} passes a narrow place, {passage.enters:.1f} m ahead"
+        place = situation.guide.ahead(passage.enters)
+        waiting = Waiting(why, now, now + PATIENCE, place=place, passages=rights.ahead)
         situation.wait_for(now, MissionEvent.WAY_BARRED, waiting)
         return True
 

@@ -15,6 +15,7 @@ from apps.indoor_navigation.algorithms.planning.orders import REST, MissionNote,
 from apps.indoor_navigation.algorithms.planning.pausing import Pausing
 from apps.indoor_navigation.algorithms.planning.plan import Motion
 from apps.indoor_navigation.algorithms.planning.recovering import Recovering
+from apps.indoor_navigation.algorithms.planning.right_of_way import RightOfWay
 from apps.indoor_navigation.algorithms.planning.situation import Situation
 from apps.indoor_navigation.algorithms.planning.states import ACTIVE, MOVING, MissionEvent, MissionState
 from apps.indoor_navigation.algorithms.planning.waiting import FOR_SIGHT
@@ -71,6 +72,11 @@ class Navigator:
     def why(self) -> str:
         """The reason for this state in words."""
         return self._situation.machine.why
+
+    @property
+    def rights(self) -> RightOfWay:
+        """To passages of the map, where two robots cannot pass each other."""
+        return self._situation.rights
 
     @property
     def notes(self) -> deque[MissionNote]:
@@ -150,6 +156,7 @@ class Navigator:
     def _use(self, frame: PlanFrame, floor: FloorMap | None) -> None:
         self._frame, self._floor = frame, floor
         self.memory.use_map(floor)
+        self.rights.use_map(floor)
         if self._reading is not None:
             self.memory.see(frame.reading(self._reading))
 
@@ -166,6 +173,8 @@ class Navigator:
 
     def _step(self, now: float) -> Order:
         situation = self._situation
+        if self.memory.pose is not None:
+            situation.look_for_passages()
         if self.is_active and situation.told.frame == MAP and not self._frame.is_map and situation.seeking is None:
             if now - situation.begun < FIX_TIMEOUT:
                 return REST

@@ -12,6 +12,8 @@ from apps.indoor_navigation.algorithms.planning.situation import Situation
 from apps.indoor_navigation.algorithms.planning.states import MissionEvent
 from apps.indoor_navigation.algorithms.planning.waiting import FOR_SIGHT, Waiting
 
+GIVE_WAY = 1.0  # s of waiting for a robot in a passage after which this one goes out of its way
+
 
 class Pausing:
     """Each of `replan` and `wait` returns an order, or None where another state has followed."""
@@ -59,6 +61,8 @@ class Pausing:
         if waiting.is_last_hope and waiting.place is not None:
             radius = self._parameters.guide.stop_before + self._memory.half_width
             self._memory.grid.take_for_walls(*waiting.place, radius)
+        elif waiting.passages:
+            situation.rights.waive(waiting.passages)
         elif waiting.cost < inf and situation.has_tried_enough(now):
             return None
         self._machine.happens(MissionEvent.WAITED_ENOUGH, now, f"waited long enough: {waiting.why}")
@@ -80,7 +84,8 @@ class Pausing:
     def _makes_way(self, waiting: Waiting, now: float) -> bool:
         """Begin to go aside, if it is time and there is room; return whether it did."""
         situation = self._situation
-        is_time = now - self._machine.since >= self._parameters.courtesy and situation.making_way.is_worth(now)
+        courtesy = GIVE_WAY if waiting.passages else self._parameters.courtesy
+        is_time = now - self._machine.since >= courtesy and situation.making_way.is_worth(now)
         if not (is_time and situation.guide.make_way(waiting.place)):
             return False
         self._machine.happens(MissionEvent.WAY_FOUND, now, "making way for a person or an obstacle")

@@ -8,7 +8,8 @@ from apps.indoor_navigation.algorithms.planning.guide import Guide, place_text
 from apps.indoor_navigation.algorithms.planning.memory import Memory
 from apps.indoor_navigation.algorithms.planning.orders import MissionNote, MissionParameters
 from apps.indoor_navigation.algorithms.planning.progress import Progress
-from apps.indoor_navigation.algorithms.planning.states import TRANSITIONS, MissionEvent, MissionState
+from apps.indoor_navigation.algorithms.planning.right_of_way import RightOfWay
+from apps.indoor_navigation.algorithms.planning.states import ACTIVE, TRANSITIONS, MissionEvent, MissionState
 from apps.indoor_navigation.algorithms.planning.waiting import FOR_SIGHT, MakingWay, Waiting
 from apps.indoor_navigation.data import GoalPoint, Place
 from apps.indoor_navigation.state_machine import Change, StateMachine
@@ -33,7 +34,7 @@ class Situation:
     """All times are s of one steady clock.
 
     told, begun: the goal as it was given, and when, s. goal: the present one in the frame of planning. seeking: None
-    unless the robot is lost.
+    unless the robot is lost. rights: to passages.
     notes: messages for people. noted: number of notes of this mission. waiting: reason and end in the state WAITING.
     barred: where the way was barred last. no_way_since: s. looked_at: s of the last search for a way. seen_at: s of the
     last reading. is_there: whether only the final turn is left. doubts: an obstacle at the goal may be a person.
@@ -50,6 +51,7 @@ class Situation:
         self.waiting = FOR_SIGHT
         self.seen_at = -inf
         self.seeking: Seeking | None = None
+        self.rights = RightOfWay()
         self._set_out(GoalPoint("", None, None))
 
     def begin(self, told: GoalPoint, goal: GoalPoint, now: float) -> None:
@@ -58,6 +60,7 @@ class Situation:
         self._set_out(goal)
         self.told, self.begun = told, now
         self.progress.begin()
+        self.rights.begin()
         self.memory.begin_trail()
         self.machine.happens(MissionEvent.TOLD, now, "told where to go")
 
@@ -105,7 +108,16 @@ class Situation:
 
     def look_past(self, waiting: Waiting, now: float) -> float | None:
         """Plan a way that is better than waiting, and take it; return its length, m, or None."""
+        if not self.rights.has(waiting.passages):
+            return None
         return self.look(now, waiting.budget(now, self.parameters.detour, self.parameters.speed))
+
+    def look_for_passages(self) -> None:
+        """Find the passages that the robot needs now."""
+        is_waiting = self.state is MissionState.WAITING
+        waiting = self.making_way.waiting or (self.waiting if is_waiting else None)
+        way = self.guide.points if self.state in ACTIVE and not is_waiting else ()
+        self.rights.look(self.memory.place, way, waiting.passages if waiting is not None else frozenset())
 
     def end_making_way(self, now: float) -> None:
         """Stop making way if the way is free."""

@@ -13,7 +13,7 @@ class Waiting:
     """Waiting ends with a way within the budget, at the time `until`, s, or when the obstacle is found to be a wall.
 
     why: reason in words. since: s. cost: of the way without the obstacle; `inf` if any way ends waiting. place: where
-    the way is barred, if known. is_last_hope: whether there is no other way.
+    the way is barred, if known. is_last_hope: whether there is no other way. passages: that another robot has.
     """
 
     why: str
@@ -22,6 +22,7 @@ class Waiting:
     cost: float = inf
     place: Place | None = None
     is_last_hope: bool = False
+    passages: frozenset[str] = frozenset()
 
     @property
     def hopes(self) -> bool:

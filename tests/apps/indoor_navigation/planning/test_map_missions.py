@@ -80,12 +80,12 @@ def test_a_lost_robot_stops_drives_about_slowly_and_goes_on_when_it_is_found() -
 
 def test_a_robot_that_is_not_found_gives_up_and_says_why() -> None:
     plan = House([]).box(0.0, 0.0, 3.0, 3.0)
-    robot = MapWalker(plan, (1.5, 1.5, 0.0), floor_of(plan), seek=20.0)
+    robot = MapWalker(plan, (1.5, 1.5, 0.0), floor_of(plan), seek=12.0)
     robot.go_to(0.8, 0.8)
     robot.run(1.0)
     robot.navigator.fix = LOST
     assert robot.run_to_end() == "failed"
-    assert "did not find its place on the map within 20 s: the readings fit no place" in robot.navigator.why
+    assert "did not find its place on the map within 12 s: the readings fit no place" in robot.navigator.why
 
 
 def test_a_goal_in_odom_needs_no_map_when_the_robot_is_lost() -> None:
