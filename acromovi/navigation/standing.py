@@ -13,9 +13,10 @@ examples:
   acromovi navigate state happy
   acromovi navigate state happy --json
       {"mission": NAME, "state": STATE, "why": TEXT, "since": S, "goal": {...}, "sub_target": [X, Y], "travelled": M,
-       "pose": [X, Y, HEADING]}
+       "pose": [X, Y, HEADING], "frame": "odom"|"map", "on_map": [X, Y, HEADING]}
 
-STATE is idle, turning, going, passing a door, waiting, re-planning, done, failed or cancelled.
+STATE is idle, turning, going, passing a door, backing, waiting, re-planning, lost, done, failed or cancelled.
+Places are in odom; frame is that of the planning, and on_map the goal of a mission on the map.
 
 Exit codes: 0 done, in any state, 1 the navigation does not run (the reason is on stderr), 2 wrong usage.
 """

@@ -10,7 +10,7 @@ from geometry import Cairn, Pose2D, Segment
 from maps.building_map import BuildingMap
 from maps.distance import distance_transform, lower_to_segments
 from maps.occupancy import OccupancyGrid
-from maps.rasterization import grid_of
+from maps.rasterization import forbidden_cells, grid_of
 
 WALLS = (Segment(0, 0, 6, 0), Segment(6, 0, 6, 4), Segment(6, 4, 0, 4), Segment(0, 4, 0, 2.5), Segment(0, 1.5, 0, 0))
 """A room with a door 1 m wide on its left side."""
@@ -86,3 +86,17 @@ def test_distances_to_segments_are_exact_within_the_limit() -> None:
     for row, column in ((0, 0), (10, 20), (39, 49), (25, 5)):
         true = segment.distance_to(-0.5 + 0.1 * (column + 0.5), 0.1 * (row + 0.5))
         assert distances[row, column] == pytest.approx(min(true, 1.0), abs=1e-5)
+
+
+def test_forbidden_lines_and_areas_are_cells_without_a_gap() -> None:
+    line = Cairn("ForbiddenLine", Pose2D(), "", Segment(1.0, 0.5, 3.0, 3.5))
+    area = Cairn("ForbiddenArea", Pose2D(0.0, 0.0, pi / 2), "", Segment(1.0, -5.0, 2.0, -4.0))  # x 4 to 5, y 1 to 2
+    plan = BuildingMap(WALLS, places=(line, area))
+    grid = grid_of(plan)
+    forbidden = OccupancyGrid(forbidden_cells(plan, grid).astype(np.int8), 0.05, grid.origin)
+    parts = np.linspace(0.0, 1.0, 500)
+    assert forbidden.values_at(np.stack((1.0 + 2.0 * parts, 0.5 + 3.0 * parts), axis=1)).all()
+    inside, outside = np.array([(4.5, 1.5), (4.05, 1.05)]), np.array([(3.9, 1.5), (5.1, 1.5), (2.0, 1.0)])
+    assert forbidden.values_at(inside).all()
+    assert not forbidden.values_at(outside).any()
+    assert not forbidden_cells(BuildingMap(WALLS), grid).any()

@@ -5,10 +5,9 @@ import re
 from collections.abc import Sequence, Set
 from contextlib import suppress
 
-from agents.platform import AgentName, RequestNotDone
+from agents.platform import Agent, AgentName, RequestNotDone
 from agents.platform.behaviours import OneShot
 from agents.services.lease_client import find_arbiter, leased
-from apps.indoor_navigation.component import Component
 
 RETRY = 0.7  # s between two attempts to take what another robot has
 NO_ARBITER_FOR = 10.0  # s after which an arbiter is looked for again
@@ -20,7 +19,7 @@ HOLDER = re.compile(r"@(\S+) holds")  # the robot, in the refusal of an arbiter
 class PassageLeases:
     """Used in the event loop of its agent. holders: who has the passages that were refused."""
 
-    def __init__(self, agent: Component) -> None:
+    def __init__(self, agent: Agent) -> None:
         self.holders: dict[str, str] = {}
         self._agent = agent
         self._has_arbiter = False

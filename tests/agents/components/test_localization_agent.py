@@ -3,9 +3,11 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, TypeVar
 
+import numpy as np
 import pytest
 
 from agents.components.localization.localization_agent import LocalizationAgent
+from apps.indoor_navigation.algorithms.planning.floor import FloorMap
 from benchmarks.localization_drives import map_of_world
 from bus import Sample, keys
 from bus.messages import decode, heading
@@ -103,6 +105,12 @@ def test_goals_are_converted_to_odom_and_refused_with_a_reason(lab: Lab, file: s
     ):
         assert why in lab.ask("localization", "goal", **given).why
     assert {each["name"] for each in lab.value("localization", "goals")} >= {"Lab 2", "Kitchen"}
+    floor = FloorMap.of_json(lab.value("localization", "floor"))
+    points = np.array([(13.7, 9.3), (10.0, 2.5)])  # in the forbidden area, at the bench
+    assert floor.grid.values_at(points).tolist() == [0, 0]
+    assert floor.grid.is_occupied().any()
+    forbidden = replace(floor.grid, cells=floor.forbidden.astype(np.int8))
+    assert forbidden.values_at(points).tolist() == [1, 0]
 
 
 def test_what_cannot_be_started_is_refused_with_a_reason(lab: Lab, office: BuildingMap, tmp_path: Path) -> None:
