@@ -101,6 +101,19 @@ def test_goto_wants_to_its_target_and_to_stand_when_told_to_rest(site: Site) -> 
     assert (wanted[-1].weight, wanted[-1].linear) == (1.0, 0.0)
 
 
+def test_goto_does_not_drive_onto_a_line_that_no_sensor_shows(site: Site) -> None:
+    goto(site)
+    wanted = site.pushed("goto", MotionCmd)
+    for number, away in ((1, 2.0), (2, 0.27)):
+        line = np.stack((np.full(61, away), np.linspace(-1.5, 1.5, 61)), axis=1)
+        target = WorldCoord(site.time, number, "go", 3.0, 0.0, 0.0, 0.5, barred=tuple(line.ravel().tolist()))
+        site.bus.send(send_key(ROBOT, "goto", WorldCoord), target.to_json())
+        for _ in range(5):
+            nothing_in_the_way(site)
+            stand(site)
+        assert (wanted[-1].linear > 0.1) == (away > 1.0)
+
+
 def test_goto_does_not_obey_an_order_that_was_overtaken(site: Site) -> None:
     goto(site)
     wanted = site.pushed("goto", MotionCmd)

@@ -110,7 +110,7 @@ class MapWalker(Walker):
         drift: float = 0.0,
         seek: float = 180.0,
     ) -> None:
-        parameters = replace(shipped_parameters("path_planning").mission, seek=seek)
+        parameters = replace(shipped_parameters("path_planning").mission, seek=seek, sure=2.0)
         super().__init__(plan, Drifting(Navigator(parameters, HALF_WIDTH), floor), pose)  # type: ignore[arg-type]
         self._drift = drift
 
