@@ -118,8 +118,9 @@ class Driving:
         passage = rights.barred
         if passage is None or situation.making_way.waiting is not None:
             return False
-        holder = next((rights.holders[name] for name in rights.ahead if name in rights.holders), "another robot")
-        why = f"{holder} passes a narrow place, {passage.enters:.1f} m ahead"
+        holder = next((rights.holders[name] for name in rights.ahead if name in rights.holders), None)
+        passes = f"{holder} passes" if holder is not None else "the right of way has not come yet for"
+        why = f"{passes} a narrow place, {passage.enters:.1f} m ahead"
         place = situation.guide.ahead(passage.enters)
         waiting = Waiting(why, now, now + PATIENCE, place=place, passages=rights.ahead)
         situation.wait_for(now, MissionEvent.WAY_BARRED, waiting)

@@ -116,10 +116,6 @@ class Ground(NamedTuple):
         """Return whether an obstacle is seen at a place."""
         return bool(self.area.occupied[self.area.cell(*place)])
 
-    def is_forbidden(self, place: Place) -> bool:
-        """Return whether the map forbids a place."""
-        return bool(self.area.forbidden[self.area.cell(*place)])
-
 
 def _pooled(values: Floats | Bools) -> Floats:
     """Return the mean of each COARSE x COARSE values."""

@@ -196,13 +196,18 @@ class Guide:
         self._memory.grid.doubt(*self.goal, SURE_RANGE / 2.0)
         return True
 
+    def why_forbidden(self) -> str | None:
+        """Return why the map forbids this mission, in words; None where it does not."""
+        if self._memory.is_forbidden(self.goal):
+            goal = place_text(self.goal)
+            return f"the goal {goal} is in a forbidden area of the map, or on a forbidden line; choose another"
+        if self._memory.is_forbidden(self._memory.place):
+            return "the robot is in a forbidden area of the map; drive it out by hand"
+        return None
+
     def why_no_way(self, now: float) -> str:
         """Return the reason in words."""
         ground, goal = self._survey(now), place_text(self.goal)
-        if ground.is_forbidden(self.goal):
-            return f"the goal {goal} is in a forbidden area of the map, or on a forbidden line; choose another"
-        if ground.is_forbidden(self._memory.place):
-            return "the robot is in a forbidden area of the map; drive it out by hand"
         if ground.is_occupied(self.goal):
             return f"the goal {goal} is in a wall, or in something that stands there; choose another"
         if ground.is_barred(self.goal):

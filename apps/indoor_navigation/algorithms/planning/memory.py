@@ -166,6 +166,10 @@ class Memory:
         area = self.grid.area.around(self.place, margin=ASIDE_RANGE)
         return terrain(area, self.half_width, self.parameters.cost, robot=self.place)
 
+    def is_forbidden(self, place: Place) -> bool:
+        """Return whether the map forbids a place."""
+        return bool(self.grid.area.around(place, margin=0.0).forbidden.any())
+
     def forbidden_near(self) -> Floats:
         """Return places along the edges of forbidden cells near the robot, m, shape (n, 2)."""
         area = self.grid.area.around(self.place, margin=FORBIDDEN_RANGE)

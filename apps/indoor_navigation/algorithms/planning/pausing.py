@@ -29,6 +29,8 @@ class Pausing:
         situation, guide, sure = self._situation, self._situation.guide, self._parameters.sure
         if guide.is_too_far(now):
             situation.give_up(now, f"{place_text(guide.goal)} is too far away to plan a way there")
+        elif (why := guide.why_forbidden()) is not None:
+            situation.give_up(now, why)
         elif (found := situation.look(now)) is not None:
             self._machine.happens(MissionEvent.WAY_FOUND, now, f"a way of {found:.1f} m")
         elif (barred := guide.look_hoping(now)) is not None:

@@ -5,6 +5,7 @@ from math import inf
 
 from apps.indoor_navigation.data import Place
 
+ASIDE = "aside, since "
 MIN_INTERVAL = 15.0  # s before the robot makes way again, so that it can drive on meanwhile
 
 
@@ -35,7 +36,8 @@ class Waiting:
 
     def aside(self, until: float) -> "Waiting":
         """Return the same waiting aside, until this time at least."""
-        return replace(self, why=f"aside, since {self.why}", until=max(self.until, until))
+        why = self.why if self.why.startswith(ASIDE) else f"{ASIDE}{self.why}"
+        return replace(self, why=why, until=max(self.until, until))
 
 
 FOR_SIGHT = Waiting("nothing is seen; see whether sonar and laser work", -inf, inf)

@@ -209,6 +209,14 @@ def test_a_goal_where_no_robot_may_be_is_refused_with_the_reason(goal: tuple[flo
     assert why in robot.navigator.why
 
 
+def test_a_robot_in_a_forbidden_area_says_so_and_stands() -> None:
+    robot = MapWalker(house(), (5.0, 7.0, 0.0), floor_of(house(), [forbidden("ForbiddenArea", 4.6, 6.0, 6.0, 9.0)]))
+    robot.go_to(7.0, 7.0)
+    assert robot.run_to_end() == "failed"
+    assert "the robot is in a forbidden area of the map; drive it out by hand" in robot.navigator.why
+    assert robot.length == 0.0
+
+
 def test_a_person_on_the_way_is_waited_for_as_without_a_map() -> None:
     plan = house()
     robot = MapWalker(plan, (1.0, 4.7, 0.0), floor_of(plan))
