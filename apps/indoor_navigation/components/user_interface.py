@@ -52,7 +52,7 @@ class UserInterface(Component):
         self._is_unknown = False
         self.every(self.parameters.look, self._look)
 
-    @request("go")
+    @request("go", agrees_itself=True)
     async def go(
         self,
         x: Any = None,
@@ -84,6 +84,7 @@ class UserInterface(Component):
         if place or frame == MAP:
             x, y, heading = await self._on_map(place, x, y, heading)
             frame = MAP
+        agree()
         if self._goal is not None:
             self._end(self._goal.mission, "replaced", "another mission was begun")
         self._missions += 1

@@ -29,13 +29,16 @@ class RightOfWay:
         self.holders: Mapping[str, str] = {}
         self._granted: Set[str] | None = None
         self._passages: NarrowPassages | None = None
+        self._known: tuple[FloorMap, NarrowPassages] | None = None
         self._ahead: list[PassageAhead] = []
         self._is_in_first = False
         self._waived: set[str] = set()
 
     def use_map(self, floor: FloorMap | None) -> None:
         """Find the passages of a map; without a map there are none."""
-        self._passages = NarrowPassages.of(floor) if floor is not None else None
+        if floor is not None and (self._known is None or self._known[0] is not floor):
+            self._known = floor, NarrowPassages.of(floor)  # kept while the robot is lost, since it takes some time
+        self._passages = self._known[1] if floor is not None and self._known is not None else None
         self.begin()
 
     def begin(self) -> None:

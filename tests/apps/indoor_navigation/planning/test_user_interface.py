@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from agents.platform import Agent, Outcome
+from agents.platform import Agent, Ending, Outcome
 from agents.platform.virtual_time import VirtualTimeLoop
 from apps.indoor_navigation.component import query_key, send_key
 from apps.indoor_navigation.components.user_interface import MESSAGE_TIMEOUT, UserInterface
@@ -223,6 +223,8 @@ def test_a_goal_of_the_map_is_that_of_the_localization(site: Site, planner: Plan
         GoalPoint(named, 4.0, 5.0, 1.5, 0.25, "map"),
         GoalPoint(placed, 1.0, 2.0, None, 0.25, "map"),
     ]
-    assert 'the map has no goal "Nowhere"' in person.ask("go", place="Nowhere").why
+    refusal = person.ask("go", place="Nowhere")
+    assert refusal.ending is Ending.REFUSED
+    assert 'the map has no goal "Nowhere"' in refusal.why
     assert "not both" in person.ask("go", place="Lab 2", x=1.0, y=2.0).why
     assert "frame must be 'odom' or 'map', not 'base_link'" in person.ask("go", x=1.0, y=2.0, frame="base_link").why
