@@ -47,7 +47,7 @@ class Navigator:
         self.parameters = parameters
         self.memory = Memory(parameters.guide.memory, Outline(half_width, half_width, 2.0 * half_width))
         self._situation = Situation(parameters, self.memory)
-        self._frame = PlanFrame()
+        self._frame = self._on_map = PlanFrame()  # the present one, and the last one on a map
         self._floor: FloorMap | None = None
         self._reading: ObstRead | None = None  # the last one, in odom
         driving, pausing = Driving(self._situation), Pausing(self._situation)
@@ -125,14 +125,15 @@ class Navigator:
             if not self._frame.is_map or fix.floor is not self._floor:
                 self._enter(fix.floor, fix.odom, now)
             elif self._reading is None or self._frame.is_corrected_by(fix.odom, self._reading.pose):
-                self._frame = PlanFrame(MAP, fix.odom)
+                self._frame = self._on_map = PlanFrame(MAP, fix.odom)
         elif self._frame.is_map:
             self._leave(fix.why if fix is not None else "the localization has ended", now)
 
     def _enter(self, floor: FloorMap, odom: Pose2D, now: float) -> None:
         """Plan on a map from now on."""
         situation = self._situation
-        self._use(PlanFrame(MAP, odom), floor)
+        self._on_map = PlanFrame(MAP, odom)
+        self._use(self._on_map, floor)
         if not self.is_active:
             return
         words = "the robot knows its place on the map"
@@ -227,8 +228,8 @@ class Navigator:
         return {**self.status(), **known, **route}
 
     def _goal_in_odom(self, goal: GoalPoint) -> GoalPoint:
-        """Return a goal as it is in odom now; one of a map stays as it is while the robot is not localized."""
-        if goal.frame != MAP or not self._frame.is_map or goal.x is None or goal.y is None or not goal.is_sound:
+        """Return a goal in odom by the last place of odom on a map; one of a map that never came stays as it is."""
+        if goal.frame != MAP or not self._on_map.is_map or goal.x is None or goal.y is None or not goal.is_sound:
             return goal
-        x, y, heading = self._frame.in_odom((goal.x, goal.y, goal.heading or 0.0))
+        x, y, heading = self._on_map.in_odom((goal.x, goal.y, goal.heading or 0.0))
         return replace(goal, x=x, y=y, heading=None if goal.heading is None else heading, frame=ODOM)

@@ -63,6 +63,8 @@ def test_a_lost_robot_stops_drives_about_slowly_and_goes_on_when_it_is_found() -
     robot.run(0.4)
     assert robot.navigator.state == "lost"
     assert robot.order.aim == "rest"
+    state = robot.navigator.status()
+    assert robot.navigator.in_house(state["goal"]["x"], state["goal"]["y"]) == pytest.approx(FAR, abs=0.1)
     assert "lost its place on the map: the readings fit no place" in notes(robot)
     before = robot.length
     speeds = set()
