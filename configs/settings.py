@@ -64,5 +64,5 @@ def _numbers(table: Any, prefix: str = "") -> Iterator[tuple[str, float]]:
             yield f"{prefix}{each.name}", float(value)
         elif isinstance(value, Mapping):
             yield from ((f"{prefix}{each.name}.{name}", float(number)) for name, number in value.items())
-        elif not isinstance(value, str):
+        elif not isinstance(value, str | tuple):
             yield from _numbers(value, f"{prefix}{each.name}.")

@@ -15,7 +15,7 @@ from agents.client.errors import RobotError, Stopped, check_seconds
 from agents.client.holding import ProgramLease
 from agents.client.loop_thread import LAST_WORDS, LoopThread
 from agents.client.robot import Robot
-from agents.platform import Agent, AgentError, AgentName, Container, NameNotValid
+from agents.platform import Agent, AgentError, AgentName, Container, NameNotValid, UnknownAgent
 from bus import Bus, BusError, NotAllowed, ZenohBus
 from bus.bus import Closeable
 from bus.keys import robot_name
@@ -58,6 +58,11 @@ class Team(Closeable):
         team._own_container = None
         team._begin(thread, discovery)
         return team
+
+    @property
+    def platform(self) -> str:
+        """The platform of this program's agents: `apps`, or the owner of the key on a secure bus."""
+        return self._thread.agent.name.platform
 
     def robots(self, having: str | tuple[str, ...] = ()) -> list[Robot]:
         """Return all robots, or those that have an element, or several, in alphabetical order."""
@@ -129,6 +134,27 @@ class Team(Closeable):
             yield lease
         finally:
             lease.release()
+
+    @contextmanager
+    def host(self, agent: Agent) -> Iterator[None]:
+        """Run an agent of this program during a block, in the container of the program's own.
+
+        For what a program cannot do with a `Team`: to hear streams, and to follow several conversations at a time. The
+        agent ends with the block, and is frozen when the program is.
+
+        Raises:
+            RobotError: It cannot be started; its name may be taken.
+        """
+        container = self._thread.agent.home
+        assert isinstance(container, Container)
+        self._thread.moving[agent.name] = lambda: _stopped(container, agent)  # however the program ends
+        try:
+            if not self._thread.call(container.start(agent)):
+                raise RobotError(f"the agent {agent.name} cannot be started; its container reports the reason")
+            yield
+        finally:
+            if self._thread.moving.pop(agent.name, None) is not None:
+                self._thread.last(_stopped(container, agent))
 
     def sleep(self, seconds: float) -> None:
         """Wait for so many s; what drives goes on driving.
@@ -248,6 +274,12 @@ class _PrivateContainer:
 
 def _tuple(names: str | tuple[str, ...]) -> tuple[str, ...]:
     return (names,) if isinstance(names, str) else names
+
+
+async def _stopped(container: Container, agent: Agent) -> None:
+    """Stop an agent, unless it has ended."""
+    with suppress(UnknownAgent):
+        await container.stop(agent.name)
 
 
 async def _discover(thread: LoopThread) -> Discovery:

@@ -1,0 +1,221 @@
+"""What readings show that the map, the team and known furniture do not explain: from echoes to things, in `map`."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from apps.surveillance.algorithms.floor import PatrolFloor
+from apps.surveillance.settings import MemberSettings, ScanChangeSettings, SonarChangeSettings
+from geometry import Point, Pose2D
+from maps.building_map import BuildingMap
+from maps.localization.likelihood_field import LikelihoodField
+
+Floats = NDArray[np.float64]
+Bools = NDArray[np.bool_]
+
+_FIELD_CELL = 0.05  # m
+_SAMPLE, _BEFORE_END = 0.08, 0.2  # m along a beam, and before its end, where the floor counts as free
+_OFTEN = 4  # times that floor is seen free until it is known to be
+_GONE = 30  # times without an echo between, until furniture is known to be gone
+_SLOW_TURN = 0.2  # rad/s; a scan of a robot that turns faster does not tell exactly where the floor is free
+_ABOUT = 2  # cells about furniture in which echoes are those of the furniture
+
+
+@dataclass(frozen=True, slots=True)
+class UnexplainedThing:
+    """Echoes that belong together and that nothing explains: its middle (m in `map`), its width (m) and their count."""
+
+    x: float
+    y: float
+    width: float
+    echoes: int
+
+
+@dataclass(frozen=True, slots=True)
+class NearRobot:
+    """A robot of the team, which is no intruder: where it was last heard of, m in `map`, and how long ago, s."""
+
+    x: float
+    y: float
+    age: float
+
+    def radius(self, settings: MemberSettings) -> float:
+        """The radius about that place in which it may be now, m."""
+        return min(settings.radius_most_m, settings.radius_m + settings.speed_m_s * max(0.0, self.age))
+
+
+class SeenFloor:
+    """What one robot has seen of the floor: where it was free, and where something stood when it was seen first.
+
+    Something that stands where the floor was never free is furniture. Something where it was free has come since then.
+    """
+
+    def __init__(self, floor: PatrolFloor) -> None:
+        self._floor = floor
+        shape = floor.grid.cells.shape
+        self._free: NDArray[np.int8] = np.zeros(shape, np.int8)  # how often a cell was seen free, up to a limit
+        self._furniture: Bools = np.zeros(shape, np.bool_)
+
+    def note_free(self, start: Point, ends: Floats) -> None:
+        """Note that beams (m in `map`, shape (n, 2)) have passed the floor up to their ends."""
+        ways = ends - start
+        lengths = np.hypot(ways[:, 0], ways[:, 1])
+        counts = np.maximum(0, ((lengths - _BEFORE_END) / _SAMPLE).astype(np.int64))
+        which = np.repeat(np.arange(len(ends)), counts)
+        along = (np.arange(len(which)) - np.repeat(np.cumsum(counts) - counts, counts)) * _SAMPLE
+        points: Floats = np.array(start) + (along / np.maximum(lengths[which], 1e-9))[:, np.newaxis] * ways[which]
+        cells = np.zeros(self._free.shape, np.bool_)
+        cells[self._floor.cells_of(points)] = True
+        self._free[cells & (self._free < _GONE)] += 1
+        self._furniture &= ~(cells & (self._free >= _GONE))
+
+    def expect(self, points: Floats) -> None:
+        """Expect something to stand at points, m in `map`, from now on."""
+        cells = self._floor.cells_of(points)
+        self._furniture[cells] = True
+        self._free[cells] = 0
+
+    def is_expected(self, points: Floats) -> Bools:
+        """Which points are at furniture, or where the floor was never seen free; those become furniture."""
+        rows, columns = self._floor.cells_of(points)
+        near = np.zeros(len(points), np.bool_)
+        height, width = self._free.shape
+        for up in range(-_ABOUT, _ABOUT + 1):
+            for right in range(-_ABOUT, _ABOUT + 1):
+                near |= self._furniture[np.clip(rows + up, 0, height - 1), np.clip(columns + right, 0, width - 1)]
+        new = ~near & (self._free[rows, columns] < _OFTEN)
+        self._furniture[rows[new], columns[new]] = True
+        stands = self._furniture[rows, columns]
+        self._free[rows[stands], columns[stands]] = 0
+        expected: Bools = near | new
+        return expected
+
+
+class MapComparison:
+    """Compares readings with a map."""
+
+    def __init__(
+        self,
+        map_: BuildingMap,
+        floor: PatrolFloor,
+        scan: ScanChangeSettings,
+        sonar: SonarChangeSettings,
+        member: MemberSettings,
+    ) -> None:
+        """Prepare the distances from the walls.
+
+        Args:
+            map_: Of the building.
+            floor: Of the same map.
+            scan, sonar, member: Settings.
+        Raises:
+            ValueError: The map shows no walls.
+        """
+        self._field = LikelihoodField(map_, _FIELD_CELL)
+        self._floor = floor
+        self._scan, self._sonar, self._member = scan, sonar, member
+
+    def in_scan(
+        self,
+        pose: Pose2D,
+        ends: Floats,
+        origin: Point,
+        turn_rate: float,
+        robots: Sequence[NearRobot],
+        seen: SeenFloor | None = None,
+    ) -> list[UnexplainedThing]:
+        """Find what a laser scan shows beside the map.
+
+        Args:
+            pose: Of the robot when it was made.
+            ends: Echoes in the robot's frame, m, shape (n, 2), in the order of the beams.
+            origin: Of the beams, likewise.
+            turn_rate: Of the robot then, rad/s.
+            robots: Of the team, without this one.
+            seen: The floor as it was seen before, which this scan is added to; without it, nothing is furniture.
+        Returns:
+            Nothing where the map explains so little that the pose is in doubt.
+        """
+        scan = self._scan
+        ranges = np.hypot(*(ends - origin).T)
+        ends, ranges = ends[ranges < scan.range_m], ranges[ranges < scan.range_m]
+        if not len(ends):
+            return []
+        points, start = in_map(pose, ends), pose.transform(*origin)
+        # The farther a wall, the more an error of the heading displaces its echoes.
+        margin = scan.wall_m + ranges * (scan.angle_rad + scan.turn_s * abs(turn_rate))
+        _, blocked = self._field.explained(np.broadcast_to(start, points.shape), points, scan.wall_m)
+        odd = (self._field.distances_at(points) > np.minimum(margin, 0.9)) & ~blocked & self._floor.is_free(points)
+        if np.count_nonzero(odd) > scan.doubt * len(odd):
+            return []
+        odd &= self._no_robot(points, robots)
+        if seen is not None:
+            odd[odd] = ~seen.is_expected(points[odd])
+            if abs(turn_rate) < _SLOW_TURN:
+                seen.note_free(start, points[~odd])
+        things = []
+        for echoes in _runs(points, odd, scan.gap_m):
+            width = float(np.hypot(*np.ptp(echoes, axis=0)))
+            if len(echoes) >= scan.echoes and width <= scan.width_m:
+                x, y = echoes.mean(axis=0).tolist()
+                things.append(UnexplainedThing(x, y, width, len(echoes)))
+        return things
+
+    def in_sonar(
+        self, pose: Pose2D, arcs: Floats, origins: Floats, robots: Sequence[NearRobot]
+    ) -> list[UnexplainedThing]:
+        """Find what echoes of the sonar show beside the map.
+
+        Args:
+            pose: Of the robot.
+            arcs: Where each echo may come from, m in the robot's frame, shape (echoes, places, 2).
+            origins: Of the discs, likewise, shape (echoes, 2).
+            robots: Of the team, without this one.
+        """
+        sonar = self._sonar
+        things = []
+        for arc, origin in zip(arcs, origins, strict=True):
+            middle = arc[len(arc) // 2]
+            if np.hypot(*(middle - origin)) > sonar.range_m:
+                continue
+            places = in_map(pose, arc)
+            beginnings = np.broadcast_to(pose.transform(*origin.tolist()), places.shape)
+            near, blocked = self._field.explained(beginnings, places, sonar.wall_m)
+            at = in_map(pose, middle[np.newaxis])
+            if near.any() or blocked.any() or not self._floor.is_free(at).all():
+                continue
+            if self._no_robot(places, robots).all():
+                things.append(UnexplainedThing(float(at[0, 0]), float(at[0, 1]), 0.0, 1))
+        return things
+
+    def sees(self, pose: Pose2D, place: Point) -> bool:
+        """Return whether no wall of the map is between a robot and a place, m."""
+        ends = np.array([place])
+        _, blocked = self._field.explained(np.array([[pose.x, pose.y]]), ends, self._scan.wall_m)
+        return not bool(blocked[0])
+
+    def _no_robot(self, points: Floats, robots: Sequence[NearRobot]) -> Bools:
+        """Which points are away from all robots of the team."""
+        clear = np.ones(len(points), np.bool_)
+        for each in robots:
+            clear &= np.hypot(points[:, 0] - each.x, points[:, 1] - each.y) > each.radius(self._member)
+        return clear
+
+
+def in_map(pose: Pose2D, points: Floats) -> Floats:
+    """Return points of the robot's frame (m, shape (n, 2)) in the frame of its pose."""
+    c, s = np.cos(pose.heading), np.sin(pose.heading)
+    x, y = points[:, 0], points[:, 1]
+    placed: Floats = np.stack((pose.x + c * x - s * y, pose.y + s * x + c * y), axis=1)
+    return placed
+
+
+def _runs(points: Floats, chosen: Bools, gap: float) -> list[Floats]:
+    """Chosen points in groups of neighbours that are not farther apart than a gap, m."""
+    kept = points[chosen]
+    if not len(kept):
+        return []
+    breaks = np.flatnonzero(np.hypot(*np.diff(kept, axis=0).T) > gap) + 1
+    return list(np.split(kept, breaks))

@@ -1,0 +1,389 @@
+"""A team on patrol in virtual time: the agents of the application, and robots that are played.
+
+The manager and the agents `patrol@ROBOT` are those that run on a team, on a bus in one process. The robots are played:
+each drives along the shortest way of the plan's free floor at a constant speed, and turns on the spot at corners; that
+is a kinematic model, without the indoor navigation, people in the way or contacts. Localization is the true pose with
+an error of the size that the localization has. Laser scans are those of the emulator's planar sensors, with noise.
+"""
+
+import asyncio
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from math import atan2, cos, dist, hypot, pi, sin
+from pathlib import Path
+from random import Random
+from typing import Any
+
+import numpy as np
+
+from agents.platform import Agent, AgentName, Container, request
+from agents.platform.virtual_time import VirtualTimeLoop
+from apps.surveillance.algorithms.floor import PatrolFloor
+from apps.surveillance.patrol_manager import NAME, PatrolManager
+from apps.surveillance.settings import SurveillanceSettings
+from bus import MemoryBus, MemoryNetwork, Publisher, Refused, keys
+from bus.messages import NS_PER_S, LaserScan, header, quaternion
+from bus.messages import Point as PointMessage
+from bus.messages import Pose as PoseMessage
+from bus.ros_msgs import PoseWithCovariance, PoseWithCovarianceStamped
+from geometry import Point, Pose2D, wrap_angle
+from p2os_emu.body import ScanBeams
+from p2os_emu.world import WorldSpec
+from p2os_emu.world.objects import MovingObject
+from p2os_emu.world.planar import PlanarScene
+
+MANAGER = f"{NAME}@team"
+SPEED, TURN = 0.4, 0.8  # m/s and rad/s of the played robots
+STEP = 0.1  # s of the motion
+SHARED = 0.2  # s between two poses, and between two scans
+LASER = Pose2D(0.02, 0.0, 0.0)
+BEAMS, REACH, NOISE = 181, 10.0, 0.01  # of the laser: count, m, m
+WIDTH, FRONT, RADIUS = 0.4, 0.25, 0.22  # m of a played robot
+PERSON = 0.2  # m, radius of an intruder
+OFF, TURNED = 0.015, 0.004  # m and rad: standard deviation of the error of the localization
+_MEMORY = 0.9  # of that error, from one pose to the next
+_ORIGIN = Pose2D(2.0, -1.0, 0.7)  # of odom in map, so that nobody takes one for the other
+_START = 1_700_000_000.0  # s since 1970
+
+
+class CourseLoop(VirtualTimeLoop):
+    """Virtual time in which work for threads is done at once."""
+
+    def run_in_executor(self, executor: Any, func: Callable[..., Any], *args: Any) -> Any:
+        """Do it now; the future is done."""
+        future = self.create_future()
+        future.set_result(func(*args))
+        return future
+
+
+@dataclass(slots=True)
+class PlayedIntruder:
+    """A person who walks along a way at a constant speed, m/s, from a time on, s, and stands at its end."""
+
+    way: Sequence[Point]
+    begins: float
+    speed: float = 0.8
+
+    def place(self, now: float) -> Point | None:
+        """Return where the person is; None before the beginning."""
+        if now < self.begins:
+            return None
+        rest = (now - self.begins) * self.speed
+        for a, b in zip(self.way, self.way[1:], strict=False):
+            length = dist(a, b)
+            if rest < length:
+                return a[0] + rest / length * (b[0] - a[0]), a[1] + rest / length * (b[1] - a[1])
+            rest -= length
+        return self.way[-1]
+
+
+@dataclass(slots=True)
+class PlayedRobot:
+    """The truth of one robot. way: corners that are still ahead. path: where it was, each second."""
+
+    name: str
+    pose: Pose2D
+    way: list[Point] = field(default_factory=list)
+    mission: str = ""
+    state: str = "none"
+    driven: float = 0.0
+    is_lost: bool = False
+    is_dead: bool = False
+    error: list[float] = field(default_factory=lambda: [0.0, 0.0, 0.0])
+    path: list[Pose2D] = field(default_factory=list)
+
+    def step(self, seconds: float) -> None:
+        """Drive on."""
+        while self.way and seconds > 1e-9:
+            x, y = self.way[0]
+            away, off = hypot(x - self.pose.x, y - self.pose.y), self.pose.bearing_to(x, y)
+            if away < 0.02:
+                self.way.pop(0)
+                continue
+            if abs(off) > 0.02:
+                turned = min(abs(off), TURN * seconds)
+                seconds -= turned / TURN
+                heading = wrap_angle(self.pose.heading + (turned if off > 0.0 else -turned))
+                self.pose = Pose2D(self.pose.x, self.pose.y, heading)
+                continue
+            gone = min(away, SPEED * seconds)
+            seconds -= gone / SPEED
+            self.driven += gone
+            heading = atan2(y - self.pose.y, x - self.pose.x)
+            self.pose = Pose2D(self.pose.x + gone * cos(heading), self.pose.y + gone * sin(heading), heading)
+        if not self.way and self.state == "active":
+            self.state = "done"
+
+
+class _PlayedBase(Agent):
+    """The agent of the base, of which only the description is used."""
+
+    services = ("component", "base")
+
+
+class _PlayedLocalization(Agent):
+    """Answers as the localization of a robot that knows its pose."""
+
+    def __init__(self, robot: PlayedRobot, file: Path) -> None:
+        super().__init__(AgentName("localization", robot.name), {"laser": {"x": LASER.x, "y": 0.0, "heading": 0.0}})
+        self._robot, self._file = robot, file
+
+    @request("state")
+    async def state_of_localization(self) -> dict[str, Any]:
+        return {"state": "searching" if self._robot.is_lost else "localized", "map": str(self._file), "reason": None}
+
+    @request("goal")
+    async def goal(self, x: float, y: float) -> dict[str, Any]:
+        if self._robot.is_lost:
+            raise Refused(f"{self._robot.name} is not localized")
+        there_x, there_y = _ORIGIN.locate(x, y)
+        return {"x": there_x, "y": there_y, "heading": None}
+
+
+class _PlayedNavigation(Agent):
+    """Answers as the user interface of the indoor navigation."""
+
+    def __init__(self, robot: PlayedRobot, floor: PatrolFloor) -> None:
+        super().__init__(AgentName("user_interface", robot.name))
+        self._robot, self._floor, self._missions = robot, floor, 0
+
+    @request("go")
+    async def go(self, x: float, y: float, tolerance: float) -> dict[str, Any]:
+        robot, place = self._robot, _ORIGIN.transform(x, y)
+        self._missions += 1
+        robot.mission = f"m{self._missions}"
+        way = self._floor.way((robot.pose.x, robot.pose.y), place)
+        robot.state, robot.way = ("failed", []) if way is None else ("active", list(way[1:]))
+        return {"mission": robot.mission}
+
+    @request("state")
+    async def state_of_mission(self) -> dict[str, Any]:
+        return {"mission": self._robot.mission, "state": self._robot.state, "why": "no way"}
+
+    @request("cancel")
+    async def cancel(self) -> dict[str, Any]:
+        self._robot.way, self._robot.state = [], "cancelled"
+        return {"mission": self._robot.mission}
+
+
+class SurveillanceCourse:
+    """A team on patrol. The same arguments and calls give the same night.
+
+    robots: by name. visible: for each intruder, s of the first scan in which a robot had it in view.
+    """
+
+    def __init__(
+        self,
+        world: WorldSpec,
+        file: Path,
+        floor: PatrolFloor,
+        rooms: Mapping[str, Point],
+        starts: Mapping[str, Pose2D],
+        settings: SurveillanceSettings,
+        *,
+        seed: int = 0,
+        intruders: Sequence[PlayedIntruder] = (),
+        scans: bool = True,
+    ) -> None:
+        """Start all agents.
+
+        Args:
+            world: What the lasers see.
+            file: Of the map on which the robots are localized.
+            floor: Of the same map.
+            rooms: To patrol, m.
+            starts: Of the robots.
+            settings: Of the application.
+            seed: Of all errors.
+            intruders: Who comes.
+            scans: Lasers are on.
+        """
+        self.loop = CourseLoop()
+        self.floor = floor
+        self.robots = {name: PlayedRobot(name, pose) for name, pose in starts.items()}
+        self.intruders = list(intruders)
+        self.visible: dict[int, float] = {}
+        self._scene = PlanarScene([*world.walls, *world.furniture], self._moving)
+        self._rng, self._scans = np.random.default_rng(seed), scans
+        self._random = Random(seed)
+        self._network = MemoryNetwork()
+        self._bus = MemoryBus(self._network)
+        self._file = file
+        self._containers: dict[str, Container] = {}
+        self._streams: dict[str, dict[str, Publisher]] = {}
+        properties = {
+            "settings": settings.to_table(),
+            "rooms": {name: list(place) for name, place in rooms.items()},
+            "robots": [],
+            "starts": {},
+            "map": "",
+            "attention": 0.0,
+        }
+        self.manager = PatrolManager(MANAGER, properties)
+        self._shown: tuple[MovingObject, ...] = ()
+        self.errors: list[str] = []
+        self._run(self._join("team", self.manager))
+        for name in starts:
+            self.bring_up(name)
+        self._playing = self.loop.create_task(self._play())
+
+    @property
+    def time(self) -> float:
+        """Virtual time, s."""
+        return self.loop.time()
+
+    def bring_up(self, name: str) -> None:
+        """Start the agents of a robot."""
+        robot = self.robots[name]
+        geometry = {"length_front": FRONT, "length_rear": FRONT, "width": WIDTH}
+        played = (
+            _PlayedBase(AgentName("base", name), {"geometry": geometry}),
+            _PlayedLocalization(robot, self._file),
+        )
+        bus = MemoryBus(self._network)
+        self._streams[name] = {
+            "scan": bus.publisher(keys.SCAN.key(name), keys.SCAN.type_name),
+            "pose": bus.publisher(keys.POSE.key(name), keys.POSE.type_name),
+        }
+        self._run(self._join(name, *played))
+        self._run(self._join(f"{name}-navigation", _PlayedNavigation(robot, self.floor)))
+
+    def add(self, name: str, pose: Pose2D) -> None:
+        """Have another robot join."""
+        self.robots[name] = PlayedRobot(name, pose)
+        self.bring_up(name)
+
+    def kill(self, name: str) -> None:
+        """End the agents of a robot as when it is switched off; it stands from now on."""
+        self.robots[name].is_dead = True
+        self.robots[name].way = []
+        for container in (name, f"{name}-navigation"):
+            self._run(self._containers.pop(container).close())
+
+    def freeze(self, name: str) -> None:
+        """Have nothing come from the robot's agents any more, as when its container is frozen."""
+        patrol = self._containers[name].agent(AgentName("patrol", name))
+        patrol.publish = lambda result: None  # type: ignore[method-assign]  # it is frozen
+
+    def run(self, seconds: float) -> None:
+        """Let time pass."""
+        self.loop.run_for(seconds)
+
+    def run_until(self, is_so: Callable[[], bool], within: float) -> bool:
+        """Let time pass until something is so; returns whether it is in time."""
+        until = self.time + within
+        while not is_so() and self.time < until:
+            self.run(STEP)
+        return is_so()
+
+    def close(self) -> None:
+        """End everything."""
+        self._playing.cancel()
+        for container in reversed(self._containers.values()):
+            self._run(container.close())
+        self._run(self.loop.shutdown_asyncgens())
+        self.loop.close()
+
+    def _run(self, work: Any) -> Any:
+        return self.loop.run_until_complete(work)
+
+    async def _join(self, name: str, *agents: Agent) -> None:
+        def report(report: Any) -> None:
+            if report.error is not None:
+                self.errors.append(f"{report.agent}: {report.what}: {report.error!r}")
+
+        container = Container(MemoryBus(self._network), name, report, lambda: _START + self.loop.time())
+        self._containers[name] = container
+        container.show()
+        for agent in agents:
+            await container.start(agent)
+
+    async def _play(self) -> None:
+        """Let the robots drive, and publish poses and scans."""
+        step = 0
+        while True:
+            await asyncio.sleep(STEP)
+            step += 1
+            for robot in self.robots.values():
+                robot.step(STEP)
+                if step % round(1.0 / STEP) == 0:
+                    robot.path.append(robot.pose)
+            if step % round(SHARED / STEP) == 0:
+                self._shown = tuple(self._objects())
+                for robot in self.robots.values():
+                    if not robot.is_dead:
+                        self._share(robot)
+
+    def _share(self, robot: PlayedRobot) -> None:
+        stamp = _START + self.time
+        for number, size in enumerate((OFF, OFF, TURNED)):
+            noise = self._random.gauss(0.0, size)
+            robot.error[number] = _MEMORY * robot.error[number] + (1.0 - _MEMORY**2) ** 0.5 * noise
+        x, y, turned = robot.error
+        at = Pose2D(robot.pose.x + x, robot.pose.y + y, wrap_angle(robot.pose.heading + turned))
+        told = {
+            "stamp": stamp,
+            "state": "searching" if robot.is_lost else "localized",
+            "pose": [at.x, at.y, at.heading],
+            "deviations": [OFF, OFF, TURNED],
+            "odom_in_map": [_ORIGIN.x, _ORIGIN.y, _ORIGIN.heading],
+            "reason": "the readings fit no place" if robot.is_lost else None,
+        }
+        self._containers[robot.name].agent(AgentName("localization", robot.name)).publish(told)
+        about = header(round(stamp * NS_PER_S), "map")
+        if not robot.is_lost:
+            pose = PoseMessage(position=PointMessage(x=at.x, y=at.y, z=0.0), orientation=quaternion(at.heading))
+            message = PoseWithCovarianceStamped(about, PoseWithCovariance(pose, np.zeros(36)))
+            self._streams[robot.name]["pose"].put(message)
+        if self._scans:
+            self._streams[robot.name]["scan"].put(self._scan(robot, about))
+
+    def _scan(self, robot: PlayedRobot, about: Any) -> LaserScan:
+        step = pi / (BEAMS - 1)
+        beams = ScanBeams(LASER.x, LASER.y, 0.3, -pi / 2, step, BEAMS, REACH)
+        echoes = self._scene.cast(beams, robot.pose, robot.name)
+        self._note_visible(robot, echoes.ranges)
+        ranges = echoes.ranges + self._rng.normal(0.0, NOISE, BEAMS)
+        return LaserScan(
+            header=about,
+            angle_min=-pi / 2,
+            angle_max=pi / 2,
+            angle_increment=step,
+            time_increment=0.0,
+            scan_time=SHARED,
+            range_min=0.0,
+            range_max=32.0,
+            ranges=ranges.astype(np.float32),
+            intensities=np.empty(0, np.float32),
+        )
+
+    def _note_visible(self, robot: PlayedRobot, ranges: Any) -> None:
+        """Note when an intruder is in a scan for the first time: at least three beams end at it within 8 m."""
+        for number, intruder in enumerate(self.intruders):
+            place = intruder.place(self.time)
+            if place is None or number in self.visible:
+                continue
+            x, y = robot.pose.compose(LASER).locate(*place)
+            bearings = np.linspace(-pi / 2, pi / 2, BEAMS)
+            ends = np.hypot(ranges * np.cos(bearings) - x, ranges * np.sin(bearings) - y)
+            if hypot(x, y) < 8.0 and np.count_nonzero(ends < PERSON + 0.05) >= 3:
+                self.visible[number] = self.time
+
+    def _moving(self) -> Sequence[MovingObject]:
+        return self._shown
+
+    def _objects(self) -> list[MovingObject]:
+        found = [_disc(each.name, (each.pose.x, each.pose.y), RADIUS) for each in self.robots.values()]
+        for number, intruder in enumerate(self.intruders):
+            place = intruder.place(self.time)
+            if place is not None:
+                found.append(_disc(f"intruder {number}", place, PERSON))
+        return found
+
+
+def _disc(name: str, place: Point, radius: float) -> MovingObject:
+    corners = tuple(
+        (place[0] + radius * cos(turn), place[1] + radius * sin(turn))
+        for turn in np.linspace(0.0, 2.0 * pi, 12, endpoint=False).tolist()
+    )
+    return MovingObject(name, corners, 0.0, 1.7)
