@@ -39,6 +39,7 @@ GROUPS = {
     "missions": "three hundred missions of the indoor navigation in lockstep; writes missions.md and pictures",
     "map_navigation": "missions on a map: static, changed, with people and a second robot; writes table and picture",
     "mapping": "maps of laser scans against the truth, in lockstep; writes mapping.md and pictures",
+    "surveillance": "patrols of generated floors in virtual time; writes surveillance.md and pictures",
     "formation": "formations of three to five robots in lockstep; writes formation.md and pictures",
     "following": "robots that follow each other by sight, rendered in lockstep; writes following.md and pictures",
     "optical_flow": "wandering by optical flow in textured rooms in lockstep; writes optical-flow.md and pictures",

@@ -9,7 +9,8 @@ an error of the size that the localization has. Laser scans are those of the emu
 import asyncio
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from math import atan2, cos, dist, hypot, pi, sin
+from itertools import pairwise
+from math import atan2, cos, dist, hypot, inf, pi, sin
 from pathlib import Path
 from random import Random
 from typing import Any
@@ -21,7 +22,7 @@ from agents.platform.virtual_time import VirtualTimeLoop
 from apps.surveillance.algorithms.floor import PatrolFloor
 from apps.surveillance.patrol_manager import NAME, PatrolManager
 from apps.surveillance.settings import SurveillanceSettings
-from bus import MemoryBus, MemoryNetwork, Publisher, Refused, keys
+from bus import MemoryBus, MemoryNetwork, Publisher, Refused, Sample, keys
 from bus.messages import NS_PER_S, LaserScan, header, quaternion
 from bus.messages import Point as PointMessage
 from bus.messages import Pose as PoseMessage
@@ -30,16 +31,17 @@ from geometry import Point, Pose2D, wrap_angle
 from p2os_emu.body import ScanBeams
 from p2os_emu.world import WorldSpec
 from p2os_emu.world.objects import MovingObject
+from p2os_emu.world.people import BODY_RADIUS, HIP, LEG_RADIUS, STEP_LENGTH
 from p2os_emu.world.planar import PlanarScene
 
 MANAGER = f"{NAME}@team"
 SPEED, TURN = 0.4, 0.8  # m/s and rad/s of the played robots
 STEP = 0.1  # s of the motion
-SHARED = 0.2  # s between two poses, and between two scans
+SHARED = 0.2  # s between two poses
 LASER = Pose2D(0.02, 0.0, 0.0)
 BEAMS, REACH, NOISE = 181, 10.0, 0.01  # of the laser: count, m, m
 WIDTH, FRONT, RADIUS = 0.4, 0.25, 0.22  # m of a played robot
-PERSON = 0.2  # m, radius of an intruder
+SIGHT = 8.0  # m in which an intruder counts as visible, if at least three beams end at it
 OFF, TURNED = 0.015, 0.004  # m and rad: standard deviation of the error of the localization
 _MEMORY = 0.9  # of that error, from one pose to the next
 _ORIGIN = Pose2D(2.0, -1.0, 0.7)  # of odom in map, so that nobody takes one for the other
@@ -49,7 +51,7 @@ _START = 1_700_000_000.0  # s since 1970
 class CourseLoop(VirtualTimeLoop):
     """Virtual time in which work for threads is done at once."""
 
-    def run_in_executor(self, executor: Any, func: Callable[..., Any], *args: Any) -> Any:
+    def run_in_executor(self, executor: Any, func: Any, *args: Any) -> Any:  # type: ignore[override]  # of any types
         """Do it now; the future is done."""
         future = self.create_future()
         future.set_result(func(*args))
@@ -58,23 +60,38 @@ class CourseLoop(VirtualTimeLoop):
 
 @dataclass(slots=True)
 class PlayedIntruder:
-    """A person who walks along a way at a constant speed, m/s, from a time on, s, and stands at its end."""
+    """A person who walks along a way at a constant speed, m/s, from a time on, s, stands at its end, and is gone again.
+
+    lasts: s for which the person is there.
+    """
 
     way: Sequence[Point]
     begins: float
     speed: float = 0.8
+    lasts: float = inf
 
-    def place(self, now: float) -> Point | None:
-        """Return where the person is; None before the beginning."""
-        if now < self.begins:
+    def pose(self, now: float) -> Pose2D | None:
+        """Return where the person is, and walks to; None before the beginning and after the end."""
+        if not self.begins <= now < self.begins + self.lasts:
             return None
         rest = (now - self.begins) * self.speed
-        for a, b in zip(self.way, self.way[1:], strict=False):
-            length = dist(a, b)
+        heading = 0.0
+        for a, b in pairwise(self.way):
+            length, heading = dist(a, b), atan2(b[1] - a[1], b[0] - a[0])
             if rest < length:
-                return a[0] + rest / length * (b[0] - a[0]), a[1] + rest / length * (b[1] - a[1])
+                return Pose2D(a[0] + rest * cos(heading), a[1] + rest * sin(heading), heading)
             rest -= length
-        return self.way[-1]
+        return Pose2D(*self.way[-1], heading)
+
+    def place(self, now: float) -> Point | None:
+        """Return where the person is; None before the beginning and after the end."""
+        pose = self.pose(now)
+        return None if pose is None else (pose.x, pose.y)
+
+    def stride(self, now: float) -> float:
+        """Return how far the left leg is ahead, m."""
+        walked = min((now - self.begins) * self.speed, sum(dist(a, b) for a, b in pairwise(self.way)))
+        return 0.5 * STEP_LENGTH * sin(pi * walked / STEP_LENGTH)
 
 
 @dataclass(slots=True)
@@ -169,7 +186,8 @@ class _PlayedNavigation(Agent):
 class SurveillanceCourse:
     """A team on patrol. The same arguments and calls give the same night.
 
-    robots: by name. visible: for each intruder, s of the first scan in which a robot had it in view.
+    robots: by name. visible: for each intruder, s of the first scan in which a robot had it in view. reported:
+    likewise, s of the first alarm on the bus near it. false_sightings: alarms that are near no intruder.
     """
 
     def __init__(
@@ -183,7 +201,7 @@ class SurveillanceCourse:
         *,
         seed: int = 0,
         intruders: Sequence[PlayedIntruder] = (),
-        scans: bool = True,
+        scan_s: float = SHARED,
     ) -> None:
         """Start all agents.
 
@@ -196,15 +214,17 @@ class SurveillanceCourse:
             settings: Of the application.
             seed: Of all errors.
             intruders: Who comes.
-            scans: Lasers are on.
+            scan_s: s between two scans; a whole number of steps.
         """
         self.loop = CourseLoop()
         self.floor = floor
         self.robots = {name: PlayedRobot(name, pose) for name, pose in starts.items()}
         self.intruders = list(intruders)
         self.visible: dict[int, float] = {}
+        self.reported: dict[int, float] = {}
+        self.false_sightings = 0
         self._scene = PlanarScene([*world.walls, *world.furniture], self._moving)
-        self._rng, self._scans = np.random.default_rng(seed), scans
+        self._rng, self._scan_steps = np.random.default_rng(seed), round(scan_s / STEP)
         self._random = Random(seed)
         self._network = MemoryNetwork()
         self._bus = MemoryBus(self._network)
@@ -225,6 +245,7 @@ class SurveillanceCourse:
         self._run(self._join("team", self.manager))
         for name in starts:
             self.bring_up(name)
+        self._bus.subscribe("*/agents/patrol/results", self._take_report)
         self._playing = self.loop.create_task(self._play())
 
     @property
@@ -279,6 +300,7 @@ class SurveillanceCourse:
     def close(self) -> None:
         """End everything."""
         self._playing.cancel()
+        self.loop.run_for(STEP)
         for container in reversed(self._containers.values()):
             self._run(container.close())
         self._run(self.loop.shutdown_asyncgens())
@@ -308,11 +330,14 @@ class SurveillanceCourse:
                 robot.step(STEP)
                 if step % round(1.0 / STEP) == 0:
                     robot.path.append(robot.pose)
+            alive = [each for each in self.robots.values() if not each.is_dead]
             if step % round(SHARED / STEP) == 0:
+                for robot in alive:
+                    self._share(robot)
+            if step % self._scan_steps == 0:
                 self._shown = tuple(self._objects())
-                for robot in self.robots.values():
-                    if not robot.is_dead:
-                        self._share(robot)
+                for robot in alive:
+                    self._streams[robot.name]["scan"].put(self._scan(robot))
 
     def _share(self, robot: PlayedRobot) -> None:
         stamp = _START + self.time
@@ -335,10 +360,9 @@ class SurveillanceCourse:
             pose = PoseMessage(position=PointMessage(x=at.x, y=at.y, z=0.0), orientation=quaternion(at.heading))
             message = PoseWithCovarianceStamped(about, PoseWithCovariance(pose, np.zeros(36)))
             self._streams[robot.name]["pose"].put(message)
-        if self._scans:
-            self._streams[robot.name]["scan"].put(self._scan(robot, about))
 
-    def _scan(self, robot: PlayedRobot, about: Any) -> LaserScan:
+    def _scan(self, robot: PlayedRobot) -> LaserScan:
+        about = header(round((_START + self.time) * NS_PER_S), f"{robot.name}/laser")
         step = pi / (BEAMS - 1)
         beams = ScanBeams(LASER.x, LASER.y, 0.3, -pi / 2, step, BEAMS, REACH)
         echoes = self._scene.cast(beams, robot.pose, robot.name)
@@ -350,7 +374,7 @@ class SurveillanceCourse:
             angle_max=pi / 2,
             angle_increment=step,
             time_increment=0.0,
-            scan_time=SHARED,
+            scan_time=self._scan_steps * STEP,
             range_min=0.0,
             range_max=32.0,
             ranges=ranges.astype(np.float32),
@@ -366,8 +390,25 @@ class SurveillanceCourse:
             x, y = robot.pose.compose(LASER).locate(*place)
             bearings = np.linspace(-pi / 2, pi / 2, BEAMS)
             ends = np.hypot(ranges * np.cos(bearings) - x, ranges * np.sin(bearings) - y)
-            if hypot(x, y) < 8.0 and np.count_nonzero(ends < PERSON + 0.05) >= 3:
+            if hypot(x, y) < SIGHT and np.count_nonzero(ends < BODY_RADIUS) >= 3:
                 self.visible[number] = self.time
+
+    def _take_report(self, sample: Sample) -> None:
+        """Note which intruders an alarm reports."""
+        told = sample.decoded()
+        if told.get("event") != "alarm":
+            return
+        here = float(told["x"]), float(told["y"])
+        # A person walks on before the alarm comes, so where the person was lately counts as well.
+        moments = [self.time - 0.2 * number for number in range(8)]
+        near = [
+            number
+            for number, intruder in enumerate(self.intruders)
+            if any(place is not None and dist(place, here) < 1.0 for place in map(intruder.place, moments))
+        ]
+        self.false_sightings += not near
+        for number in near:
+            self.reported.setdefault(number, self.time)
 
     def _moving(self) -> Sequence[MovingObject]:
         return self._shown
@@ -375,9 +416,14 @@ class SurveillanceCourse:
     def _objects(self) -> list[MovingObject]:
         found = [_disc(each.name, (each.pose.x, each.pose.y), RADIUS) for each in self.robots.values()]
         for number, intruder in enumerate(self.intruders):
-            place = intruder.place(self.time)
-            if place is not None:
-                found.append(_disc(f"intruder {number}", place, PERSON))
+            pose = intruder.pose(self.time)
+            if pose is not None:
+                found += [
+                    _disc(
+                        f"intruder {number}", pose.transform(side * intruder.stride(self.time), side * HIP), LEG_RADIUS
+                    )
+                    for side in (1.0, -1.0)
+                ]
         return found
 
 

@@ -45,8 +45,8 @@ def main(
         rooms: Names of goals, separated by commas; `{"Lab": [2.5, 6.1]}` for places in the map, m; or `world:NAME` for
             the places of an emulated world. All goals of the map if empty.
         robots: Their names, separated by commas; all robots that are localized if empty.
-        starts: Where the robots stand, for those that are not localized yet: a team file with places in the frame of the
-            map, or `{"happy": [x, y, heading]}` in m, m and degrees.
+        starts: Where the robots stand, for those that are not localized yet: a team file with places in the frame of
+            the map, or `{"happy": [x, y, heading]}` in m, m and degrees.
         settings: A file with changes of `settings.toml`.
         minutes: How long; until stopped if 0.
         report: Folder for the report at the end; none if empty.

@@ -117,7 +117,7 @@ class PatrolAgent(Agent):
         if found is None:
             raise Refused("the trade is no gain any more")
         if found.back:
-            duty.give_up(found.back)
+            duty.plan.give_up(found.back)
         duty.take(found.room, place, neglect.get(found.room))
         self._show_state()
         return asdict(found)
@@ -126,7 +126,7 @@ class PatrolAgent(Agent):
     async def exchange(self, give: str, take: str, neglected: Any = None) -> dict[str, Any]:
         """Give up a room, and take another one if a name is given; neglected: s since its last visit."""
         duty, place, _ = self._serving()
-        duty.give_up(give)
+        duty.plan.give_up(give)
         if take:
             duty.take(take, place, neglected)
         self._show_state()
@@ -207,7 +207,8 @@ class PatrolAgent(Agent):
         self._show_state()
 
     def _show_state(self) -> None:
-        self.publish({"event": "state", **self._state()})
+        with suppress(BusError):  # the agent is being stopped, and its results are closed already
+            self.publish({"event": "state", **self._state()})
 
     def _state(self) -> dict[str, Any]:
         stamp = self.home.wall_time()

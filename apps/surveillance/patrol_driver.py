@@ -156,7 +156,7 @@ class PatrolDriver:
             pose = self._trusted_pose()
             if is_reached(place, pose, tolerance):
                 return
-            way = self._floor.way((pose.x, pose.y), place)
+            way = await asyncio.to_thread(self._floor.way, (pose.x, pose.y), place)
             if way is None:
                 raise PlaceNotReached("the map has no way there")
             corner = next((each for each in way[1:] if dist(each, (pose.x, pose.y)) > 0.15), way[-1])

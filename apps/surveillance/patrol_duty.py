@@ -110,7 +110,6 @@ class PatrolDuty:
         self._visits: dict[str, float] = {}  # s of the loop's time, by room
         self._returned: dict[str, str] = {}  # rooms that it gave back, and why
         self._alarms: list[WatchedThing] = []
-        self._changed = asyncio.Event()  # plan or errand
         self._errand: tuple[Point, asyncio.Future[dict[str, Any]]] | None = None
         self._loop = asyncio.get_running_loop()
 
@@ -164,25 +163,17 @@ class PatrolDuty:
         now = self._loop.time()
         self.plan.take(room, place, now, float(neglected) if is_seen else 1e6, is_seen=is_seen)
         self._returned.pop(room, None)
-        self._changed.set()
-
-    def give_up(self, room: str) -> None:
-        """Have no more to do with a room."""
-        self.plan.give_up(room)
-        self._changed.set()
 
     async def follow(self, place: Point) -> dict[str, Any]:
         """Follow an intruder that is at a place, m, and return for how long, and where it was seen last."""
         future: asyncio.Future[dict[str, Any]] = self._loop.create_future()
         errand = place, future
         self._errand = errand
-        self._changed.set()
         try:
             return await future
         finally:
             if self._errand is errand:
                 self._errand = None
-                self._changed.set()
 
     def state(self) -> dict[str, Any]:
         """Return what it does, for its results."""
@@ -223,7 +214,6 @@ class PatrolDuty:
     async def _work(self) -> str:
         """Do one thing after the other; return why the robot cannot go on."""
         while True:
-            self._changed.clear()
             try:
                 if self._errand is not None:
                     await self._pursue(*self._errand)
@@ -231,7 +221,7 @@ class PatrolDuty:
                     await self._visit(room)
                 else:
                     self._does = "waits for rooms"
-                    await self._changed.wait()
+                    await asyncio.sleep(_CHECK)
             except RobotNotAble as err:
                 if self.senses.is_localized:
                     return f"{self._robot_name} has stopped: {err}"
@@ -270,10 +260,7 @@ class PatrolDuty:
         working = asyncio.ensure_future(work)
         try:
             while not working.done() and not is_over():
-                self._changed.clear()
-                waiting = asyncio.ensure_future(self._changed.wait())
-                await asyncio.wait([working, waiting], return_when=asyncio.FIRST_COMPLETED)
-                waiting.cancel()
+                await asyncio.wait([working], timeout=_CHECK)
             if working.done():
                 working.result()
         finally:

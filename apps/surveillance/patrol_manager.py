@@ -105,14 +105,15 @@ class PatrolManager(Agent):
     async def status(self) -> dict[str, Any]:
         """Return what the results have."""
         self._attended_at = self._clock()
-        return self._state()
+        return self.state_of_patrol()
 
     @request("events")
     async def events_since(self, number: int = 0) -> list[dict[str, Any]]:
         """Return what has happened from the event with this number on: number, time (s since 1970), text and more."""
         return self.events[number : number + 20]
 
-    def _state(self) -> dict[str, Any]:
+    def state_of_patrol(self) -> dict[str, Any]:
+        """Return what the results have."""
         now = self._clock()
         ledger = self.ledger
         neglect, longest = (ledger.neglect(now), ledger.longest(now)) if ledger is not None else ({}, {})
@@ -164,7 +165,7 @@ class PatrolManager(Agent):
 
     async def _publish_state(self) -> None:
         if self.is_heard:
-            self.publish(self._state())
+            self.publish(self.state_of_patrol())
 
     def _tell(self, text: str, **more: Any) -> None:
         self.events.append({"number": len(self.events), "time": self.home.wall_time(), "text": text, **more})

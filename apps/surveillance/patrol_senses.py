@@ -231,9 +231,15 @@ class PatrolSenses(Closeable):
                 continue
             if isinstance(message, LaserScan) and self._sensors.laser is not None:
                 laser = self._sensors.laser
-                ends = scan_ends(message, laser, self._settings.scan.range_m)
-                origin, others = (laser.x, laser.y), self.robots()
-                things = self._comparison.in_scan(pose, ends, origin, self._turn_rate, others, self._seen)
+                things = self._comparison.in_scan(
+                    pose,
+                    scan_ends(message, laser, self._settings.scan.range_m),
+                    (laser.x, laser.y),
+                    float(message.angle_increment),
+                    self._turn_rate,
+                    self.robots(),
+                    self._seen,
+                )
                 self._found(stamp, AlarmSensor.LASER, things)
             elif isinstance(message, RangeArray):
                 arcs = sonar_ends(message, self._sensors.discs, self._sonar_settings)
@@ -267,7 +273,7 @@ class PatrolSenses(Closeable):
         there = away[off < 0.1]
         distance = float(there.min()) if len(there) else _GUESS
         x, y = pose.compose(Pose2D(0.0, 0.0, bearing)).transform(distance, 0.0)
-        return UnexplainedThing(x, y, 0.0, 1)
+        return UnexplainedThing(x, y)
 
     def _found(self, stamp: float, sensor: AlarmSensor, things: Sequence[UnexplainedThing]) -> None:
         for each in self._watch.take(stamp, sensor, things):

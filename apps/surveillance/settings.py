@@ -64,6 +64,7 @@ class ScanChangeSettings:
     turn_s: float
     gap_m: float
     echoes: int
+    solid_m: float
     width_m: float
     doubt: float
 

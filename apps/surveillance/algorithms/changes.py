@@ -19,18 +19,18 @@ _FIELD_CELL = 0.05  # m
 _SAMPLE, _BEFORE_END = 0.08, 0.2  # m along a beam, and before its end, where the floor counts as free
 _OFTEN = 4  # times that floor is seen free until it is known to be
 _GONE = 30  # times without an echo between, until furniture is known to be gone
+_THIN = 0.03  # m that something is wide at least which one beam meets
 _SLOW_TURN = 0.2  # rad/s; a scan of a robot that turns faster does not tell exactly where the floor is free
 _ABOUT = 2  # cells about furniture in which echoes are those of the furniture
+_UP, _RIGHT = (each.reshape(-1) for each in np.mgrid[-_ABOUT : _ABOUT + 1, -_ABOUT : _ABOUT + 1])
 
 
 @dataclass(frozen=True, slots=True)
 class UnexplainedThing:
-    """Echoes that belong together and that nothing explains: its middle (m in `map`), its width (m) and their count."""
+    """Echoes that belong together and that nothing explains, by their middle, m in `map`."""
 
     x: float
     y: float
-    width: float
-    echoes: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,11 +80,12 @@ class SeenFloor:
     def is_expected(self, points: Floats) -> Bools:
         """Which points are at furniture, or where the floor was never seen free; those become furniture."""
         rows, columns = self._floor.cells_of(points)
-        near = np.zeros(len(points), np.bool_)
         height, width = self._free.shape
-        for up in range(-_ABOUT, _ABOUT + 1):
-            for right in range(-_ABOUT, _ABOUT + 1):
-                near |= self._furniture[np.clip(rows + up, 0, height - 1), np.clip(columns + right, 0, width - 1)]
+        about = (
+            np.clip(rows[:, np.newaxis] + _UP, 0, height - 1),
+            np.clip(columns[:, np.newaxis] + _RIGHT, 0, width - 1),
+        )
+        near: Bools = self._furniture[about].any(axis=1)
         new = ~near & (self._free[rows, columns] < _OFTEN)
         self._furniture[rows[new], columns[new]] = True
         stands = self._furniture[rows, columns]
@@ -122,6 +123,7 @@ class MapComparison:
         pose: Pose2D,
         ends: Floats,
         origin: Point,
+        increment: float,
         turn_rate: float,
         robots: Sequence[NearRobot],
         seen: SeenFloor | None = None,
@@ -132,6 +134,7 @@ class MapComparison:
             pose: Of the robot when it was made.
             ends: Echoes in the robot's frame, m, shape (n, 2), in the order of the beams.
             origin: Of the beams, likewise.
+            increment: From beam to beam, rad.
             turn_rate: Of the robot then, rad/s.
             robots: Of the team, without this one.
             seen: The floor as it was seen before, which this scan is added to; without it, nothing is furniture.
@@ -146,8 +149,8 @@ class MapComparison:
         points, start = in_map(pose, ends), pose.transform(*origin)
         # The farther a wall, the more an error of the heading displaces its echoes.
         margin = scan.wall_m + ranges * (scan.angle_rad + scan.turn_s * abs(turn_rate))
-        _, blocked = self._field.explained(np.broadcast_to(start, points.shape), points, scan.wall_m)
-        odd = (self._field.distances_at(points) > np.minimum(margin, 0.9)) & ~blocked & self._floor.is_free(points)
+        odd = (self._field.distances_at(points) > np.minimum(margin, 0.9)) & self._floor.is_free(points)
+        odd[odd] = ~self._blocked(start, points[odd])
         if np.count_nonzero(odd) > scan.doubt * len(odd):
             return []
         odd &= self._no_robot(points, robots)
@@ -156,11 +159,12 @@ class MapComparison:
             if abs(turn_rate) < _SLOW_TURN:
                 seen.note_free(start, points[~odd])
         things = []
-        for echoes in _runs(points, odd, scan.gap_m):
-            width = float(np.hypot(*np.ptp(echoes, axis=0)))
-            if len(echoes) >= scan.echoes and width <= scan.width_m:
+        for echoes in _groups(points[odd], scan.gap_m):
+            extent = float(np.hypot(*np.ptp(echoes, axis=0)))
+            is_solid = len(echoes) >= scan.echoes and _solid(echoes - start, abs(increment)) >= scan.solid_m
+            if is_solid and extent <= scan.width_m:
                 x, y = echoes.mean(axis=0).tolist()
-                things.append(UnexplainedThing(x, y, width, len(echoes)))
+                things.append(UnexplainedThing(x, y))
         return things
 
     def in_sonar(
@@ -187,14 +191,13 @@ class MapComparison:
             if near.any() or blocked.any() or not self._floor.is_free(at).all():
                 continue
             if self._no_robot(places, robots).all():
-                things.append(UnexplainedThing(float(at[0, 0]), float(at[0, 1]), 0.0, 1))
+                things.append(UnexplainedThing(float(at[0, 0]), float(at[0, 1])))
         return things
 
-    def sees(self, pose: Pose2D, place: Point) -> bool:
-        """Return whether no wall of the map is between a robot and a place, m."""
-        ends = np.array([place])
-        _, blocked = self._field.explained(np.array([[pose.x, pose.y]]), ends, self._scan.wall_m)
-        return not bool(blocked[0])
+    def _blocked(self, start: Point, ends: Floats) -> Bools:
+        """Which beams would have had to pass through a wall; then the pose is wrong, or the wall is made of glass."""
+        _, blocked = self._field.explained(np.broadcast_to(start, ends.shape), ends, self._scan.wall_m)
+        return blocked
 
     def _no_robot(self, points: Floats, robots: Sequence[NearRobot]) -> Bools:
         """Which points are away from all robots of the team."""
@@ -212,10 +215,25 @@ def in_map(pose: Pose2D, points: Floats) -> Floats:
     return placed
 
 
-def _runs(points: Floats, chosen: Bools, gap: float) -> list[Floats]:
-    """Chosen points in groups of neighbours that are not farther apart than a gap, m."""
-    kept = points[chosen]
-    if not len(kept):
+def _groups(points: Floats, gap: float) -> list[Floats]:
+    """Points in groups of neighbours that are not farther apart than a gap, m."""
+    if not len(points):
         return []
-    breaks = np.flatnonzero(np.hypot(*np.diff(kept, axis=0).T) > gap) + 1
-    return list(np.split(kept, breaks))
+    breaks = np.flatnonzero(np.hypot(*np.diff(points, axis=0).T) > gap) + 1
+    return list(np.split(points, breaks))
+
+
+def _solid(echoes: Floats, increment: float) -> float:
+    """Width of what stands in the beams, m: without the gaps between, through which beams pass.
+
+    A person has two legs; a chair has four as well, but they are thin.
+
+    Args:
+        echoes: From the laser, m, shape (n, 2), in the order of the beams.
+        increment: From beam to beam, rad.
+    """
+    bearings = np.unwrap(np.arctan2(echoes[:, 1], echoes[:, 0]))
+    apart = np.hypot(echoes[:-1, 0], echoes[:-1, 1]) * increment
+    is_next = np.abs(np.diff(bearings)) < 1.5 * increment
+    runs = 1 + int(np.count_nonzero(~is_next))
+    return float(apart[is_next].sum()) + runs * _THIN

@@ -66,6 +66,11 @@ class PatrolFloor:
         free: NDArray[np.bool_] = ~self._taken[rows, columns]
         return free
 
+    def is_clear(self, place: Point) -> bool:
+        """Whether a robot can stand at a place, m."""
+        rows, columns = self.cells_of(np.array([place]))
+        return bool(self._passable[rows, columns].all())
+
     def length(self, start: Point, goal: Point) -> float:
         """Length of the shortest way between two places, m, within 5 %; infinite where there is none."""
         if start not in self._fields and goal in self._fields:

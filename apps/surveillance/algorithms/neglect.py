@@ -15,10 +15,11 @@ class RoomVisit:
 
 
 class NeglectLedger:
-    """Visits of all rooms. Times are s on any steady clock."""
+    """Visits of all rooms. Times are s on any steady clock. begun: when it began."""
 
     def __init__(self, rooms: Iterable[str], now: float) -> None:
         """Begin; all rooms count as visited now."""
+        self.begun = now
         self.visits: list[RoomVisit] = []
         self._last = dict.fromkeys(rooms, now)
         self._longest = dict.fromkeys(self._last, 0.0)
