@@ -96,7 +96,7 @@ class PlayedIntruder:
 
 @dataclass(slots=True)
 class PlayedRobot:
-    """The truth of one robot. way: corners that are still ahead. path: where it was, each second."""
+    """The truth of one robot. way: corners that are still ahead. path: where it was, each second. barred: places, m."""
 
     name: str
     pose: Pose2D
@@ -106,6 +106,7 @@ class PlayedRobot:
     driven: float = 0.0
     is_lost: bool = False
     is_dead: bool = False
+    barred: list[Point] = field(default_factory=list)
     error: list[float] = field(default_factory=lambda: [0.0, 0.0, 0.0])
     path: list[Pose2D] = field(default_factory=list)
 
@@ -170,6 +171,8 @@ class _PlayedNavigation(Agent):
         self._missions += 1
         robot.mission = f"m{self._missions}"
         way = self._floor.way((robot.pose.x, robot.pose.y), place)
+        if any(dist(place, each) < 0.1 for each in robot.barred):
+            way = None
         robot.state, robot.way = ("failed", []) if way is None else ("active", list(way[1:]))
         return {"mission": robot.mission}
 
@@ -202,6 +205,7 @@ class SurveillanceCourse:
         seed: int = 0,
         intruders: Sequence[PlayedIntruder] = (),
         scan_s: float = SHARED,
+        pose_s: float = SHARED,
     ) -> None:
         """Start all agents.
 
@@ -215,6 +219,7 @@ class SurveillanceCourse:
             seed: Of all errors.
             intruders: Who comes.
             scan_s: s between two scans; a whole number of steps.
+            pose_s: s between two poses, likewise; no more than between two scans.
         """
         self.loop = CourseLoop()
         self.floor = floor
@@ -225,6 +230,7 @@ class SurveillanceCourse:
         self.false_sightings = 0
         self._scene = PlanarScene([*world.walls, *world.furniture], self._moving)
         self._rng, self._scan_steps = np.random.default_rng(seed), round(scan_s / STEP)
+        self._pose_steps = round(pose_s / STEP)
         self._random = Random(seed)
         self._network = MemoryNetwork()
         self._bus = MemoryBus(self._network)
@@ -286,6 +292,18 @@ class SurveillanceCourse:
         patrol = self._containers[name].agent(AgentName("patrol", name))
         patrol.publish = lambda result: None  # type: ignore[method-assign]  # it is frozen
 
+    def kill_manager(self) -> None:
+        """End the manager as when its program is killed."""
+        self._run(self._containers.pop("team").close())
+
+    def freeze_manager(self) -> None:
+        """Have the manager do nothing any more, as when its program is frozen: no heartbeat comes from it."""
+        self._containers["team"]._heartbeats.close()
+
+    def block(self, name: str, place: Point) -> None:
+        """Have the navigation of a robot find no way to a place, m."""
+        self.robots[name].barred.append(place)
+
     def run(self, seconds: float) -> None:
         """Let time pass."""
         self.loop.run_for(seconds)
@@ -331,7 +349,7 @@ class SurveillanceCourse:
                 if step % round(1.0 / STEP) == 0:
                     robot.path.append(robot.pose)
             alive = [each for each in self.robots.values() if not each.is_dead]
-            if step % round(SHARED / STEP) == 0:
+            if step % self._pose_steps == 0:
                 for robot in alive:
                     self._share(robot)
             if step % self._scan_steps == 0:

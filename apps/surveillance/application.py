@@ -205,7 +205,7 @@ def _place(name: str, row: object) -> Point:
     match row:
         case [int() | float() as x, int() | float() as y]:
             return float(x), float(y)
-    raise RobotError(f"the place of {name} is {str(row)[:40]!r}; expected [x, y] in m")
+    raise RobotError(f"the place of {name} is {str(row)[:40]}; expected [x, y] in m")
 
 
 def _starts(team: Team, given: str | dict[str, Any], names: list[str], file: str) -> dict[str, list[float]]:

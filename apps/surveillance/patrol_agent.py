@@ -147,6 +147,13 @@ class PatrolAgent(Agent):
         duty, _, _ = self._serving()
         return await duty.follow((x, y))
 
+    @request("sighting")
+    async def note_sighting(self, x: float, y: float) -> dict[str, Any]:
+        """Note where another robot sees the intruder that this one follows, m in `map`."""
+        duty, _, _ = self._serving()
+        duty.note_sighting((x, y))
+        return {"follows": duty.is_on_errand}
+
     @request("state")
     async def state_of_patrol(self) -> dict[str, Any]:
         """Return the state, as the results have it."""

@@ -15,7 +15,8 @@ from bus import BusError
 from geometry import Point, Pose2D
 
 INTERFACE, BASE = "user_interface", "base"
-LOOK = 0.25  # s between two looks at a mission
+LOOK = 0.25  # s between two looks at pose and goal
+_ASK = 1.0  # s between two questions how the mission stands
 _REPLY = 5.0  # s for an agent to answer
 _LONGEST = 600.0  # s that a robot may be on its way to one place
 _ARRIVING = 3.0  # s in which a goal reaches path planning
@@ -98,7 +99,8 @@ class PatrolDriver:
 
     async def _navigate(self, goal: Goal, tolerance: float) -> None:
         sent: Point | None = None
-        sent_at, misses = 0.0, 0
+        sent_at = asked_at = 0.0
+        misses = 0
         loop = asyncio.get_running_loop()
         while (place := goal()) is not None:
             pose = self._trusted_pose()
@@ -106,8 +108,12 @@ class PatrolDriver:
                 return
             if sent is None or dist(sent, place) > self._settings.follow.replan_m:
                 await self._send(place, tolerance)
-                sent, sent_at = place, loop.time()
+                sent = place
+                sent_at = asked_at = loop.time()
             await asyncio.sleep(LOOK)
+            if loop.time() - asked_at < _ASK:
+                continue
+            asked_at = loop.time()
             outcome = await self._agent.request(self._interface, "state", reply_within=_REPLY)
             misses = 0 if outcome.is_done else misses + 1
             if misses >= _RETRIES:

@@ -112,6 +112,7 @@ class PatrolDuty:
         self._alarms: list[WatchedThing] = []
         self._errand: tuple[Point, asyncio.Future[dict[str, Any]]] | None = None
         self._loop = asyncio.get_running_loop()
+        self._sighted: tuple[Point, float] | None = None  # by another robot, and when
 
     @property
     def is_on_errand(self) -> bool:
@@ -174,6 +175,10 @@ class PatrolDuty:
         finally:
             if self._errand is errand:
                 self._errand = None
+
+    def note_sighting(self, place: Point) -> None:
+        """Note where another robot sees the intruder that this one follows, m."""
+        self._sighted = place, self._loop.time()
 
     def state(self) -> dict[str, Any]:
         """Return what it does, for its results."""
@@ -272,6 +277,7 @@ class PatrolDuty:
         pursuit = self._settings.follow
         begun = self._loop.time()
         seen, seen_at = place, begun
+        self._sighted = None
         self._does = "follows an intruder"
 
         goal_for, place_to_go = place, place
@@ -284,6 +290,8 @@ class PatrolDuty:
                 last = seen
                 thing = min(self.senses.intruders, key=lambda each: dist(each.place, last))
                 seen, seen_at = thing.place, now
+            elif self._sighted is not None and self._sighted[1] > seen_at:
+                seen, seen_at = self._sighted
             is_over = now - seen_at > pursuit.lost_s or now - begun > pursuit.longest_s
             if is_over or self._errand is None or pose is None:
                 return None

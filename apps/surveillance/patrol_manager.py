@@ -40,7 +40,8 @@ class PatrolMember:
     """A robot of the team.
 
     serving: the conversation in which it serves. state: its latest, with `heard`, s of the loop's time. trouble: why it
-    does not serve. again: s of the loop's time when it is asked again.
+    does not serve. again: s of the loop's time when it is asked again. begins: it is being asked. has_joined: it has
+    reported in this conversation.
     """
 
     serving: Request | None = None
@@ -49,6 +50,7 @@ class PatrolMember:
     trouble: str = ""
     again: float = 0.0
     begins: bool = False
+    has_joined: bool = False
 
     @property
     def serves(self) -> bool:
@@ -225,8 +227,8 @@ class PatrolManager(Agent):
                 await member.serving.cancel()
             raise
         finally:
-            did_serve = bool(member.state.get("serves"))
-            member.serving, member.begins = None, False
+            did_serve = member.has_joined
+            member.serving, member.begins, member.has_joined = None, False, False
             member.trouble = member.trouble or trouble
             member.again = self._clock() + self.tuned.auction.retry_s
             member.state = {**member.state, "serves": False}
@@ -385,11 +387,11 @@ class PatrolManager(Agent):
             self._take_picture(robot, told)
             return
         now = self._clock()
-        did_serve = member.serves
         member.state, member.heard = told, now
         if not member.serves:
             return
-        if not did_serve:
+        if not member.has_joined:
+            member.has_joined = True
             self.ledger = self.ledger or NeglectLedger(self.places, now)
             self._is_trade_due = True
             self._tell(f"{robot} joins the patrol", robot=robot)
@@ -413,6 +415,8 @@ class PatrolManager(Agent):
         place = float(told["x"]), float(told["y"])
         alarm, is_new = self.alarms.take(self._clock(), robot, str(told["sensor"]), place)
         self._told[robot, int(told["intruder"])] = alarm
+        if alarm.follower not in ("", robot):
+            self._begin(self._pass_on(alarm))
         if is_new:
             where = f"({place[0]:.1f}, {place[1]:.1f}), near {self._nearest_room(place)}"
             self._tell(
@@ -424,6 +428,12 @@ class PatrolManager(Agent):
         alarm = self._told.get((robot, int(told["intruder"])))
         if alarm is not None and told.get("picture"):
             self._tell(f"alarm {alarm.number}: picture of {robot}", alarm=alarm.number, picture=told["picture"])
+
+    async def _pass_on(self, alarm: TeamAlarm) -> None:
+        """Tell the follower of an intruder where another robot sees it."""
+        x, y = alarm.place
+        with suppress(BusError, AgentError):  # it has the place before this one, and sees it soon by itself
+            await self.request(AgentName(LOCAL, alarm.follower), "sighting", reply_within=_REPLY, x=x, y=y)
 
     async def _send_follower(self, alarm: TeamAlarm) -> None:
         """Have the nearest robot that is able follow an intruder."""

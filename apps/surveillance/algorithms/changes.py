@@ -19,7 +19,7 @@ _FIELD_CELL = 0.05  # m
 _SAMPLE, _BEFORE_END = 0.08, 0.2  # m along a beam, and before its end, where the floor counts as free
 _OFTEN = 4  # times that floor is seen free until it is known to be
 _GONE = 30  # times without an echo between, until furniture is known to be gone
-_THIN = 0.03  # m that something is wide at least which one beam meets
+_THIN = 0.015  # m that a beam adds to the width of what it meets, at most
 _SLOW_TURN = 0.2  # rad/s; a scan of a robot that turns faster does not tell exactly where the floor is free
 _ABOUT = 2  # cells about furniture in which echoes are those of the furniture
 _UP, _RIGHT = (each.reshape(-1) for each in np.mgrid[-_ABOUT : _ABOUT + 1, -_ABOUT : _ABOUT + 1])
@@ -149,10 +149,11 @@ class MapComparison:
         points, start = in_map(pose, ends), pose.transform(*origin)
         # The farther a wall, the more an error of the heading displaces its echoes.
         margin = scan.wall_m + ranges * (scan.angle_rad + scan.turn_s * abs(turn_rate))
-        odd = (self._field.distances_at(points) > np.minimum(margin, 0.9)) & self._floor.is_free(points)
-        odd[odd] = ~self._blocked(start, points[odd])
+        odd = self._field.distances_at(points) > np.minimum(margin, 0.9)
         if np.count_nonzero(odd) > scan.doubt * len(odd):
             return []
+        odd &= self._floor.is_free(points)
+        odd[odd] = ~self._blocked(start, points[odd])
         odd &= self._no_robot(points, robots)
         if seen is not None:
             odd[odd] = ~seen.is_expected(points[odd])
@@ -235,5 +236,5 @@ def _solid(echoes: Floats, increment: float) -> float:
     bearings = np.unwrap(np.arctan2(echoes[:, 1], echoes[:, 0]))
     apart = np.hypot(echoes[:-1, 0], echoes[:-1, 1]) * increment
     is_next = np.abs(np.diff(bearings)) < 1.5 * increment
-    runs = 1 + int(np.count_nonzero(~is_next))
-    return float(apart[is_next].sum()) + runs * _THIN
+    ends = np.append(apart[~is_next], np.hypot(*echoes[-1]) * increment)  # of each run, one beam that is half covered
+    return float(apart[is_next].sum() + np.minimum(0.5 * ends, _THIN).sum())

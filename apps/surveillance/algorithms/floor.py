@@ -23,6 +23,7 @@ CELL = 0.1
 _ROUNDING = 0.05  # m of clearance by which a place may be too near to a wall, because cells are coarse
 _SIDES = 24  # from which a target is approached
 _ASIDE = 0.5  # m from a place to the nearest one where a robot can stand
+_MOST_FIELDS = 200  # that are kept; more are places where robots were, for which nobody asks again
 _SEEN, _CLEAR = 8, -8  # evidence of walls and of free floor
 # Comfortable ways, as those of the navigation; nothing here is unknown.
 _COSTS = CostParameters(0.25, 4.0, 0.05, 20.0, 1.3, 2.0, 15.0, 10.0, 10.0)
@@ -75,10 +76,8 @@ class PatrolFloor:
         """Length of the shortest way between two places, m, within 5 %; infinite where there is none."""
         if start not in self._fields and goal in self._fields:
             start, goal = goal, start
-        (row, *_), (column, *_) = self.cells_of(np.array([goal]))
-        field = self._field(start)
-        near = field[self._about(int(row), int(column))]
-        return float(near.min()) if near.size else inf
+        field, end = self._field(start), self._nearest(goal)
+        return inf if end is None else float(field[end])
 
     def lengths(self, places: Sequence[Point]) -> Floats:
         """Lengths of the ways between all places, m, shape (n, n); infinite where there is none."""
@@ -127,25 +126,26 @@ class PatrolFloor:
         """Lengths of the ways from a place to all cells; kept, since rooms are asked for often."""
         field = self._fields.get(start)
         if field is None:
-            (row, *_), (column, *_) = self.cells_of(np.array([start]))
-            about = self._about(int(row), int(column))
-            rows, columns = np.nonzero(self._passable[about])
-            if not len(rows):
+            begin = self._nearest(start)
+            if begin is None:
                 field = np.full(self._passable.shape, inf)
             else:
-                top, left = about[0].start, about[1].start
-                nearest = int(np.argmin(np.hypot(rows + top - row, columns + left - column)))
-                field = ways_from(
-                    self._passable, (int(rows[nearest]) + top, int(columns[nearest]) + left), self.resolution
-                )
-            if len(self._fields) > 200:  # places where robots were, which nobody asks for again
+                field = ways_from(self._passable, begin, self.resolution)
+            if len(self._fields) > _MOST_FIELDS:
                 self._fields.clear()
             self._fields[start] = field
         return field
 
-    def _about(self, row: int, column: int) -> tuple[slice, slice]:
+    def _nearest(self, place: Point) -> tuple[int, int] | None:
+        """Return the cell nearest to a place in which a robot can stand; None where there is none near."""
+        (row, *_), (column, *_) = self.cells_of(np.array([place]))
         reach = round(_ASIDE / self.resolution)
-        return slice(max(0, row - reach), row + reach + 1), slice(max(0, column - reach), column + reach + 1)
+        top, left = max(0, int(row) - reach), max(0, int(column) - reach)
+        rows, columns = np.nonzero(self._passable[top : int(row) + reach + 1, left : int(column) + reach + 1])
+        if not len(rows):
+            return None
+        best = int(np.argmin(np.hypot(rows + top - row, columns + left - column)))
+        return int(rows[best]) + top, int(columns[best]) + left
 
     def cells_of(self, points: Floats) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
         """Rows and columns of points; those outside are on the edge, which is taken."""

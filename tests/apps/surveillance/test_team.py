@@ -1,0 +1,170 @@
+"""A team on patrol in virtual time: the agents of the application, and robots that are played."""
+
+from collections.abc import Callable, Iterator
+from math import dist
+from pathlib import Path
+
+import pytest
+
+from apps.surveillance.settings import SurveillanceSettings
+from benchmarks.surveillance_course import PlayedIntruder, SurveillanceCourse
+from geometry import Pose2D
+from tests.apps.surveillance.building import DOC, HAPPY, ROOMS, floor, map_file, world
+
+SETTINGS = SurveillanceSettings.load()
+NEVER = 1e6  # s between two scans
+Make = Callable[..., SurveillanceCourse]
+
+
+@pytest.fixture
+def make(tmp_path: Path) -> Iterator[Make]:
+    made = []
+
+    def begin(
+        *intruders: PlayedIntruder, scan_s: float = NEVER, starts: dict[str, Pose2D] | None = None
+    ) -> SurveillanceCourse:
+        given = {"happy": HAPPY, "doc": DOC} if starts is None else starts
+        course = SurveillanceCourse(
+            world(), map_file(tmp_path), floor(), ROOMS, given, SETTINGS, intruders=intruders, scan_s=scan_s
+        )
+        made.append(course)
+        assert course.run_until(lambda: len(course.manager.assigned) == len(ROOMS), 10.0)
+        return course
+
+    yield begin
+    for course in made:
+        course.close()
+        assert course.errors == []
+
+
+def told(course: SurveillanceCourse) -> list[str]:
+    return [str(event["text"]) for event in course.manager.events]
+
+
+def moves(course: SurveillanceCourse, robot: str) -> bool:
+    before = course.robots[robot].driven
+    course.run(2.0)
+    return course.robots[robot].driven > before
+
+
+def begin_driving(course: SurveillanceCourse, robot: str) -> None:
+    """Let time pass until a robot is well on its way."""
+    assert course.run_until(lambda: len(course.robots[robot].way) > 0, 30.0)
+    course.run(0.5)
+
+
+def test_all_rooms_are_taken_by_bids_and_visited_again_and_again(make: Make) -> None:
+    course = make()
+    assert set(course.manager.assigned.values()) == {"happy", "doc"}
+    course.run(80.0)
+    status = course.manager.state_of_patrol()
+    assert all(room["visits"] >= 2 for room in status["rooms"].values())
+    periods = [robot["period"] for robot in status["robots"].values()]
+    assert status["longest"] <= 1.5 * max(periods)
+
+
+def test_the_rooms_of_a_robot_that_dies_are_auctioned_again(make: Make) -> None:
+    course = make()
+    course.run(20.0)
+    course.kill("doc")
+    assert course.run_until(lambda: list(course.manager.assigned.values()) == ["happy"] * 4, 5.0)
+    assert any("doc leaves the patrol" in text for text in told(course))
+
+
+def test_a_robot_that_falls_silent_is_stopped_and_its_rooms_are_auctioned_again(make: Make) -> None:
+    course = make()
+    begin_driving(course, "doc")
+    course.freeze("doc")
+    assert course.run_until(lambda: list(course.manager.assigned.values()) == ["happy"] * 4, 8.0)
+    assert not moves(course, "doc")
+    assert any("doc leaves the patrol: has been silent" in text for text in told(course))
+
+
+def test_a_robot_that_joins_gets_rooms(make: Make) -> None:
+    course = make(starts={"happy": HAPPY})
+    assert set(course.manager.assigned.values()) == {"happy"}
+    course.add("doc", DOC)
+    assert course.run_until(lambda: list(course.manager.assigned.values()).count("doc") == 2, 15.0)
+
+
+def test_a_robot_that_is_lost_stands_at_once_and_its_rooms_are_auctioned_again(make: Make) -> None:
+    course = make()
+    begin_driving(course, "doc")
+    course.robots["doc"].is_lost = True
+    course.run(1.5)
+    assert not moves(course, "doc")
+    assert course.run_until(lambda: list(course.manager.assigned.values()) == ["happy"] * 4, 8.0)
+    course.robots["doc"].is_lost = False
+    assert course.run_until(lambda: "doc" in course.manager.assigned.values(), 15.0)
+
+
+def test_robots_stand_when_the_manager_has_gone(make: Make) -> None:
+    course = make()
+    begin_driving(course, "doc")
+    course.kill_manager()
+    course.run(1.0)
+    assert not moves(course, "doc")
+    assert not moves(course, "happy")
+
+
+def test_robots_stand_when_the_heartbeat_of_the_manager_stops(make: Make) -> None:
+    course = make()
+    begin_driving(course, "doc")
+    course.freeze_manager()
+    course.run(1.0)
+    assert not moves(course, "doc")
+    assert not moves(course, "happy")
+
+
+def test_nobody_patrols_when_the_program_does_not_ask_any_more(make: Make) -> None:
+    course = make()
+    begin_driving(course, "doc")
+    course.manager.properties["attention"] = 2.0
+    course.run(5.0)
+    assert course.manager.serving == []
+    assert not moves(course, "doc")
+
+
+def test_a_robot_that_another_program_drives_leaves_its_rooms_to_others_and_is_left_alone(make: Make) -> None:
+    course = make()
+    begin_driving(course, "doc")
+    robot = course.robots["doc"]
+    robot.mission, robot.way = "another", [(6.0, 5.5)]
+    assert course.run_until(lambda: list(course.manager.assigned.values()) == ["happy"] * 4, 10.0)
+    assert any("another program drives it" in text for text in told(course))
+
+
+def test_a_room_that_one_robot_cannot_reach_is_taken_by_another(make: Make) -> None:
+    course = make()
+    owner = course.manager.assigned["Far"]
+    course.block(owner, ROOMS["Far"])
+    other = "happy" if owner == "doc" else "doc"
+    assert course.run_until(lambda: course.manager.assigned.get("Far") == other, 200.0)
+    assert any(f"{owner} cannot reach Far: no way" in text for text in told(course))
+
+
+def test_an_intruder_raises_one_alarm_and_the_nearest_robot_follows_it(make: Make) -> None:
+    walk = ((3.4, 0.6), (3.4, 2.4), (1.8, 2.2), (1.8, 3.4), (1.2, 5.0))
+    course = make(PlayedIntruder(walk, 45.0, 0.5, 40.0), scan_s=0.2)
+    assert course.run_until(lambda: 0 in course.reported, 80.0)
+    assert course.reported[0] - course.visible[0] <= 3.0
+    (alarm,) = course.manager.state_of_patrol()["alarms"]
+    follower = str(alarm["follower"])
+    places = {name: (each.pose.x, each.pose.y) for name, each in course.robots.items()}
+    here = alarm["x"], alarm["y"]
+    assert follower == min(places, key=lambda name: floor().length(places[name], here))
+    assert course.run_until(lambda: course.time >= 80.0, 60.0)
+    pose, place = course.robots[follower].pose, course.intruders[0].place(course.time)
+    assert place is not None
+    assert dist((pose.x, pose.y), place) < 3.5
+    assert course.run_until(lambda: course.manager.state_of_patrol()["alarms"][0]["follower"] is None, 60.0)
+    assert len(course.manager.alarms.alarms) == 1
+    visits = course.manager.ledger.visits if course.manager.ledger else []
+    assert course.run_until(lambda: visits[-1].robot == follower and visits[-1].time > course.time - 1.0, 60.0)
+
+
+def test_robots_that_meet_raise_no_alarm(make: Make) -> None:
+    course = make(scan_s=0.5, starts={"happy": HAPPY, "doc": Pose2D(2.6, 1.2, 3.1)})
+    course.run(60.0)
+    assert course.manager.alarms.alarms == []
+    assert course.false_sightings == 0
