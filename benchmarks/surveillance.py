@@ -35,7 +35,7 @@ from p2os_emu.world import WorldSpec, load_world
 GROUP = "surveillance"
 # It was tuned on the families hall, skew, plan and store with the seeds 60 to 63.
 HOURS = ("hall:310", "skew:311")
-NIGHTS = ("plan:320", "store:321", "hall:322", "skew:323")
+NIGHTS = ("plan:320", "store:321", "hall:322")
 ROBOTS, ROOMS = ("happy", "doc", "grumpy", "sleepy"), 12
 HOUR, FAILURE = 3600.0, 1500.0  # s
 NIGHT, SETTLED, APART = 420.0, 150.0, 60.0  # s; of a night, until the first intruder, and between two
