@@ -19,6 +19,7 @@ CALIBRATION = "tests/acromovi/test_camera.py, on drawn chessboards"
 DOCKING = "tests/apps/docking/test_on_a_team.py"
 CONSOLE = "tests/apps/console, on any free port"
 FETCH = "tests/apps/fetch/test_on_a_team.py"
+SURVEILLANCE = "tests/apps/surveillance"
 WORLD = "tests/acromovi/test_world.py, with an emulator that no other test finds"
 RECORDING = "tests/acromovi/test_recording_page.py"
 EXPLORING = "tests/acromovi/mapping/test_exploring_command.py, with agents that play the robot"
@@ -101,6 +102,15 @@ ELSEWHERE = {
     "acromovi ask fetch@apps status": FETCH,
     "acromovi up charge.toml": DOCKING,
     "acromovi run docking robot=max dock=[1.5,0,0]": DOCKING,
+    "acromovi localize doc --map office.map --pose 6.0 1.8 1.57": LOCALIZATION,
+    "acromovi run surveillance map=office.map": SURVEILLANCE,
+    "acromovi run surveillance map=night.map starts=night.toml": SURVEILLANCE,
+    "acromovi up night.toml": SURVEILLANCE,
+    "acromovi world add p3dx-sh --name stranger --at 3.2 2.3": WORLD,
+    "acromovi promote surveillance map=night.map": SURVEILLANCE,
+    "acromovi ask surveillance@apps status": SURVEILLANCE,
+    "acromovi ask surveillance@apps report folder=so-far": SURVEILLANCE,
+    "python -m benchmarks surveillance": "it is a benchmark, which takes minutes",
     "acromovi teleop happy": "tests/acromovi/test_teleop.py",
     "acromovi container --services acromovi": IN_TERMINALS,
     "acromovi wire /dev/ttyUSB0 --listen /tmp/tapped": "tests/acromovi/test_wire.py",

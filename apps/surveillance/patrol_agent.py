@@ -20,7 +20,7 @@ from geometry import MapError, Point
 
 if TYPE_CHECKING:  # these load numpy and maps
     from apps.surveillance.algorithms.intruders import WatchedThing
-    from apps.surveillance.patrol_duty import PatrolDuty
+    from apps.surveillance.patrol_duty import PatrolDuty, PatrollingRobot
 
 KIND = f"{__name__}:PatrolAgent"
 LOCAL = "patrol"
@@ -37,6 +37,7 @@ class PatrolAgent(Agent):
     def __init__(self, name: AgentName | str, properties: Mapping[str, Any] | None = None) -> None:
         super().__init__(name, properties)
         self._duty: PatrolDuty | None = None
+        self._robot: PatrollingRobot | None = None  # of the duty before
         self._pictures: set[asyncio.Task[None]] = set()
 
     async def setup(self) -> None:
@@ -197,7 +198,7 @@ class PatrolAgent(Agent):
         except (ConfigError, TypeError, ValueError) as err:
             raise Refused(str(err)) from err
         try:
-            robot = await prepared(self, tuned)
+            robot = self._robot = await prepared(self, self._robot)
         except (MapError, ValueError, BusError, TimeoutError) as err:
             raise err if isinstance(err, Refused) else Refused(str(err)) from err
         duty = PatrolDuty(self, self._directory, robot, places, tuned, self._raise_alarm)

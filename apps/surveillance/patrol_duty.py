@@ -3,7 +3,7 @@
 import asyncio
 from collections.abc import Callable, Coroutine, Mapping
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import dist, isfinite
 from typing import Any
 
@@ -30,18 +30,26 @@ _BESIDE = 0.05  # m that ways keep beside the hull
 
 @dataclass(frozen=True, slots=True)
 class PatrollingRobot:
-    """A robot and the map on which it is localized. geometry: of its base. view: of its camera, rad, 0 without one."""
+    """A robot and the map on which it is localized.
 
+    file: of the map. geometry: of its base. view: of its camera, rad, 0 without one. seen: the floor as it has seen it.
+    """
+
+    file: str
     map: BuildingMap
     floor: PatrolFloor
     geometry: Mapping[str, Any]
     sensors: SensorPlaces
     view: float
+    seen: SeenFloor
 
 
-async def prepared(agent: Agent, settings: SurveillanceSettings) -> PatrollingRobot:
+async def prepared(agent: Agent, before: PatrollingRobot | None) -> PatrollingRobot:
     """Read the map on which a robot is localized, and what its agents describe.
 
+    Args:
+        agent: Of the patrol.
+        before: What was prepared before; on the same map the robot remembers what it has seen.
     Raises:
         Refused: It is not localized, or has neither laser nor sonar.
         MapError, ValueError: The map cannot be used.
@@ -59,12 +67,16 @@ async def prepared(agent: Agent, settings: SurveillanceSettings) -> PatrollingRo
     if sensors.laser is None and not sensors.discs:
         raise Refused(f"{robot} has neither laser nor sonar, so it would see no intruder")
     geometry = dict(base["properties"]["geometry"])
-    return await asyncio.to_thread(_made, str(file), geometry, sensors, await _view(agent))
+    made = await asyncio.to_thread(_made, str(file), geometry, sensors, await _view(agent))
+    if before is not None and before.file == made.file and before.seen.fits(made.floor):
+        return replace(made, seen=before.seen)
+    return made
 
 
 def _made(file: str, geometry: Mapping[str, Any], sensors: SensorPlaces, view: float) -> PatrollingRobot:
     map_ = read_building_map(file)
-    return PatrollingRobot(map_, PatrolFloor(map_, 0.5 * float(geometry["width"]) + _BESIDE), geometry, sensors, view)
+    floor = PatrolFloor(map_, 0.5 * float(geometry["width"]) + _BESIDE)
+    return PatrollingRobot(file, map_, floor, geometry, sensors, view, SeenFloor(floor))
 
 
 async def _view(agent: Agent) -> float:
@@ -100,8 +112,7 @@ class PatrolDuty:
         """
         self.plan = RoomPlan(rooms, robot.floor, settings.patrol)
         comparison = MapComparison(robot.map, robot.floor, settings.scan, settings.sonar, settings.member)
-        seen = SeenFloor(robot.floor)
-        self.senses = PatrolSenses(agent, robot.sensors, comparison, seen, settings, self._alarmed)
+        self.senses = PatrolSenses(agent, robot.sensors, comparison, robot.seen, settings, self._alarmed)
         self.senses.view = robot.view
         self._driver = PatrolDriver(agent, directory, self.senses, robot.floor, robot.geometry, settings)
         self._robot_name, self._floor, self._settings = agent.name.platform, robot.floor, settings

@@ -243,8 +243,7 @@ class PatrolSenses(Closeable):
                 self._found(stamp, AlarmSensor.LASER, things)
             elif isinstance(message, RangeArray):
                 arcs = sonar_ends(message, self._sensors.discs, self._sonar_settings)
-                # The discs are near the middle of the robot, compared with what the cone of a disc leaves open.
-                things = self._comparison.in_sonar(pose, arcs, np.zeros((len(arcs), 2)), self.robots())
+                things = self._comparison.in_sonar(pose, arcs, self.robots(), self._seen)
                 self._found(stamp, AlarmSensor.SONAR, things)
 
     def _hear_head(self, message: Any) -> None:

@@ -58,6 +58,10 @@ class SeenFloor:
         self._free: NDArray[np.int8] = np.zeros(shape, np.int8)  # how often a cell was seen free, up to a limit
         self._furniture: Bools = np.zeros(shape, np.bool_)
 
+    def fits(self, floor: PatrolFloor) -> bool:
+        """Whether another floor has the same cells."""
+        return self._floor.grid.cells.shape == floor.grid.cells.shape
+
     def note_free(self, start: Point, ends: Floats) -> None:
         """Note that beams (m in `map`, shape (n, 2)) have passed the floor up to their ends."""
         ways = ends - start
@@ -169,29 +173,30 @@ class MapComparison:
         return things
 
     def in_sonar(
-        self, pose: Pose2D, arcs: Floats, origins: Floats, robots: Sequence[NearRobot]
+        self, pose: Pose2D, arcs: Floats, robots: Sequence[NearRobot], seen: SeenFloor | None = None
     ) -> list[UnexplainedThing]:
         """Find what echoes of the sonar show beside the map.
 
         Args:
-            pose: Of the robot.
+            pose: Of the robot; the discs are near its middle, compared with the width of their cones.
             arcs: Where each echo may come from, m in the robot's frame, shape (echoes, places, 2).
-            origins: Of the discs, likewise, shape (echoes, 2).
             robots: Of the team, without this one.
+            seen: As for `in_scan`.
         """
-        sonar = self._sonar
-        things = []
-        for arc, origin in zip(arcs, origins, strict=True):
+        sonar, start = self._sonar, (pose.x, pose.y)
+        things: list[UnexplainedThing] = []
+        for arc in arcs:
             middle = arc[len(arc) // 2]
-            if np.hypot(*(middle - origin)) > sonar.range_m:
+            if np.hypot(*middle) > sonar.range_m:
                 continue
-            places = in_map(pose, arc)
-            beginnings = np.broadcast_to(pose.transform(*origin.tolist()), places.shape)
-            near, blocked = self._field.explained(beginnings, places, sonar.wall_m)
-            at = in_map(pose, middle[np.newaxis])
-            if near.any() or blocked.any() or not self._floor.is_free(at).all():
-                continue
-            if self._no_robot(places, robots).all():
+            places, at = in_map(pose, arc), in_map(pose, middle[np.newaxis])
+            is_odd = bool((self._field.distances_at(places) > sonar.wall_m).all() and self._floor.is_free(at).all())
+            is_odd = is_odd and not self._blocked(start, places).any() and bool(self._no_robot(places, robots).all())
+            if seen is not None:
+                is_odd = is_odd and not seen.is_expected(at).any()
+                if not is_odd:
+                    seen.note_free(start, at)
+            if is_odd:
                 things.append(UnexplainedThing(float(at[0, 0]), float(at[0, 1])))
         return things
 

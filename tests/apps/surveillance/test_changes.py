@@ -115,11 +115,18 @@ def arcs(distance: float, bearing: float) -> np.ndarray:
 
 
 def test_an_echo_of_the_sonar_before_the_walls_is_unexplained_and_one_from_them_is_not() -> None:
-    origin = np.zeros((1, 2))
-    assert COMPARISON.in_sonar(HERE, arcs(3.0, 0.0), origin, ()) == []  # the wall between South and East
-    (thing,) = COMPARISON.in_sonar(HERE, arcs(1.5, 0.0), origin, ())
+    assert COMPARISON.in_sonar(HERE, arcs(3.0, 0.0), ()) == []  # the wall between South and East
+    (thing,) = COMPARISON.in_sonar(HERE, arcs(1.5, 0.0), ())
     assert (thing.x, thing.y) == pytest.approx((2.5, 1.2), abs=0.01)
-    assert COMPARISON.in_sonar(HERE, arcs(1.5, 0.0), origin, [NearRobot(2.5, 1.2, 0.0)]) == []
+    assert COMPARISON.in_sonar(HERE, arcs(1.5, 0.0), [NearRobot(2.5, 1.2, 0.0)]) == []
+
+
+def test_what_the_sonar_hears_from_the_first_is_furniture() -> None:
+    seen = SeenFloor(floor())
+    for _ in range(8):
+        assert COMPARISON.in_sonar(HERE, arcs(1.5, 0.0), (), seen) == []
+        assert COMPARISON.in_sonar(HERE, arcs(2.4, 0.6), (), seen) == []
+    assert len(COMPARISON.in_sonar(HERE, arcs(1.2, 0.6), (), seen)) == 1
 
 
 def test_an_intruder_raises_one_alarm_once_it_was_seen_for_long_enough() -> None:

@@ -8,26 +8,8 @@ from apps.surveillance.patrol_manager import NAME
 from bus import Sample
 from tests.acromovi.team.running import RunningTeam, running
 from tests.apps.on_a_team import application, wait_until_stand
-from tests.apps.surveillance.building import map_file
+from tests.shown import files
 from tests.waiting import wait_until
-
-TEAM = """
-world = "{world}"
-
-[[robots]]
-name = "happy"
-model = "p3dx-sh"
-fit = ["laser"]
-at_m = [1.0, 1.0]
-
-[[robots]]
-name = "doc"
-model = "p3dx-sh"
-fit = ["laser"]
-at_m = [6.0, 1.8]
-heading_deg = 90.0
-"""
-
 
 class Night:
     """What the manager of the patrol publishes."""
@@ -56,8 +38,9 @@ class Night:
 
 
 def test_an_intruder_raises_an_alarm_and_robots_stop_when_the_application_freezes_or_is_killed(tmp_path: Path) -> None:
-    file, plan = tmp_path / "night.toml", map_file(tmp_path)
-    file.write_text(TEAM.format(world=plan))
+    file, plan = tmp_path / "night.toml", tmp_path / "night.map"
+    plan.write_text(files("surveillance", "text")[0])
+    file.write_text(files("surveillance", "toml")[0].replace('"night.map"', f'"{plan}"'))
     words = ("surveillance", f"map={plan}", f"starts={file}")
     with running(str(file)) as team, application(team, tmp_path, words, ["happy"], "promote") as process:
         night = Night(team)
