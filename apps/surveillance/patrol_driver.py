@@ -4,6 +4,7 @@ import asyncio
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from math import dist
+from random import Random
 from typing import Any
 
 from agents.platform import Agent, AgentError, AgentName, Ending, Outcome
@@ -27,7 +28,11 @@ Goal = Callable[[], Point | None]
 
 
 class PlaceNotReached(Exception):
-    """The robot cannot get to a place; the message says why."""
+    """The robot cannot get to a place; the message says why. is_traffic: another robot may be in the way."""
+
+    def __init__(self, why: str, *, is_traffic: bool = False) -> None:
+        super().__init__(why)
+        self.is_traffic = is_traffic
 
 
 class RobotNotAble(Exception):
@@ -63,6 +68,8 @@ class PatrolDriver:
         self._localization = AgentName("localization", robot)
         self._front, self._width = float(geometry["length_front"]), float(geometry["width"])
         self._mission = ""
+        # Robots that stand before each other do not give up at the same time.
+        self._patience = settings.drive.blocked_s * Random(robot).uniform(0.5, 1.5)
 
     @property
     def navigates(self) -> bool:
@@ -166,14 +173,11 @@ class PatrolDriver:
             if way is None:
                 raise PlaceNotReached("the map has no way there")
             corner = next((each for each in way[1:] if dist(each, (pose.x, pose.y)) > 0.15), way[-1])
-            why = self._senses.is_blocked(self._front, self._width, self._settings.drive.gap_m)
-            ahead = abs(pose.bearing_to(*corner)) < 1.0
-            if not why or not ahead:
-                why = await self._straight(corner, place, goal)
+            why = self._barred(pose, corner) or await self._straight(corner, place, goal)
             if why:
                 blocked_since = loop.time() if blocked_since is None else blocked_since
-                if loop.time() - blocked_since > self._settings.drive.blocked_s:
-                    raise PlaceNotReached(why)
+                if loop.time() - blocked_since > self._patience:
+                    raise PlaceNotReached(why, is_traffic=self._senses.is_near_robot)
                 await asyncio.sleep(LOOK)
             else:
                 blocked_since = None
@@ -193,13 +197,17 @@ class PatrolDriver:
                 target = goal()
                 if target is None or dist(target, place) > self._settings.follow.replan_m:
                     return ""
-                why = self._senses.is_blocked(self._front, self._width, self._settings.drive.gap_m)
-                if why and abs(pose.bearing_to(*corner)) < 0.5:
+                if why := self._barred(pose, corner):
                     return why
             return _judged(ending.result())
         finally:
             if not ending.done():
                 await going.cancel()
+
+    def _barred(self, pose: Pose2D, corner: Point) -> str:
+        """Return why the robot must not drive straight to a corner now; empty if it may."""
+        reach = min(self._settings.drive.gap_m, dist(corner, (pose.x, pose.y))) + self._front
+        return self._senses.in_the_way(pose.bearing_to(*corner), reach, self._width)
 
     def _trusted_pose(self) -> Pose2D:
         pose = self._senses.pose

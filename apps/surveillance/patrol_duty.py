@@ -257,7 +257,9 @@ class PatrolDuty:
             await self._unless(is_over, self._driver.go(lambda: self.plan.rooms[room], patrol.reached_m))
         except PlaceNotReached as err:
             self._does = f"has not reached {room}: {err}"
-            if self.plan.missed(room, self._loop.time()):
+            if err.is_traffic or self.senses.is_near_robot:
+                self.plan.postpone(room)
+            elif self.plan.missed(room, self._loop.time()):
                 self._returned[room] = str(err)
             return
         if is_over():

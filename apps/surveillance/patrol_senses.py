@@ -4,7 +4,7 @@ import asyncio
 from collections import deque
 from collections.abc import Callable, Sequence
 from contextlib import suppress
-from math import atan, hypot, inf, tan
+from math import atan, cos, hypot, inf, sin, tan
 from typing import Any
 
 import numpy as np
@@ -29,6 +29,8 @@ _WAITING = 4  # readings that wait for the pose at their time
 _FRESH = 1.0  # s for which a pose and a scan are news
 _STANDS = 0.03, 0.05  # m/s, rad/s; what is slower stands
 _LEAST_APART = 0.02  # s between two poses from which a velocity follows
+_BESIDE = 0.05  # m beside the hull that have to be free
+_NEAR = 2.5  # m; another robot within may be in the way
 _GUESS = 1.5  # m ahead, where something moves that only the camera sees
 
 HearReading = Callable[[Any], None]
@@ -130,21 +132,28 @@ class PatrolSenses(Closeable):
         """Intruders that this robot sees."""
         return self._watch.intruders
 
-    def is_blocked(self, front: float, width: float, gap: float) -> str:
-        """Return why the robot must not drive on by itself, empty where the way before it is free.
+    def in_the_way(self, bearing: float, reach: float, width: float) -> str:
+        """Return what bars the straight way in a direction, empty where it is free.
 
         Args:
-            front: From the middle of the robot to its front, m.
+            bearing: Of the way in base_link, rad.
+            reach: From the middle of the robot to where the way must be free, m.
             width: Of the robot, m.
-            gap: That must be free before it, m.
         """
         if self._sensors.laser is None and not self._sensors.discs:
             return "the robot has neither laser nor sonar"
         if self._loop.time() - self._scanned_at > _FRESH:
             return "no scan comes"
-        ahead = (self._ends[:, 0] > 0.0) & (self._ends[:, 0] < front + gap)
-        beside = np.abs(self._ends[:, 1]) < 0.5 * width + 0.05
-        return "something is in the way" if bool(np.any(ahead & beside)) else ""
+        along = self._ends @ (cos(bearing), sin(bearing))
+        across = self._ends @ (-sin(bearing), cos(bearing))
+        is_barred = np.any((along > 0.0) & (along < reach) & (np.abs(across) < 0.5 * width + _BESIDE))
+        return "something is in the way" if bool(is_barred) else ""
+
+    @property
+    def is_near_robot(self) -> bool:
+        """Whether another robot of the team is near, which may be what is in the way."""
+        pose = self.pose
+        return pose is not None and any(hypot(each.x - pose.x, each.y - pose.y) < _NEAR for each in self.robots())
 
     def look(self, on: bool) -> None:
         """Look with the camera at what moves, or look no more; for a robot that stands."""
