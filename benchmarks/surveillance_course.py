@@ -7,6 +7,7 @@ an error of the size that the localization has. Laser scans are those of the emu
 """
 
 import asyncio
+import base64
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
@@ -34,6 +35,7 @@ from p2os_emu.world.objects import MovingObject
 from p2os_emu.world.people import BODY_RADIUS, HIP, LEG_RADIUS, STEP_LENGTH
 from p2os_emu.world.planar import PlanarScene
 
+PICTURE = b"a picture"
 MANAGER = f"{NAME}@team"
 SPEED, TURN = 0.4, 0.8  # m/s and rad/s of the played robots
 STEP = 0.1  # s of the motion
@@ -139,6 +141,20 @@ class _PlayedBase(Agent):
     services = ("component", "base")
 
 
+class _PlayedMotion(Agent):
+    """The agent of motion tracking, of which the description and the results are used."""
+
+    services = ("images", "motion")
+
+
+class _PlayedCamera(Agent):
+    """The agent of the camera; all its pictures are the same."""
+
+    @request("picture")
+    async def picture(self) -> dict[str, Any]:
+        return {"format": "jpeg", "width": 1, "height": 1, "data": base64.b64encode(PICTURE).decode()}
+
+
 class _PlayedLocalization(Agent):
     """Answers as the localization of a robot that knows its pose."""
 
@@ -206,6 +222,7 @@ class SurveillanceCourse:
         intruders: Sequence[PlayedIntruder] = (),
         scan_s: float = SHARED,
         pose_s: float = SHARED,
+        view: float = 0.0,
     ) -> None:
         """Start all agents.
 
@@ -220,6 +237,7 @@ class SurveillanceCourse:
             intruders: Who comes.
             scan_s: s between two scans; a whole number of steps.
             pose_s: s between two poses, likewise; no more than between two scans.
+            view: Field of view of cameras, rad; 0 for no cameras.
         """
         self.loop = CourseLoop()
         self.floor = floor
@@ -230,7 +248,7 @@ class SurveillanceCourse:
         self.false_sightings = 0
         self._scene = PlanarScene([*world.walls, *world.furniture], self._moving)
         self._rng, self._scan_steps = np.random.default_rng(seed), round(scan_s / STEP)
-        self._pose_steps = round(pose_s / STEP)
+        self._pose_steps, self._view = round(pose_s / STEP), view
         self._random = Random(seed)
         self._network = MemoryNetwork()
         self._bus = MemoryBus(self._network)
@@ -263,10 +281,13 @@ class SurveillanceCourse:
         """Start the agents of a robot."""
         robot = self.robots[name]
         geometry = {"length_front": FRONT, "length_rear": FRONT, "width": WIDTH}
-        played = (
+        played: list[Agent] = [
             _PlayedBase(AgentName("base", name), {"geometry": geometry}),
             _PlayedLocalization(robot, self._file),
-        )
+        ]
+        if self._view:
+            played.append(_PlayedMotion(AgentName("motion", name), {"field_of_view": self._view}))
+            played.append(_PlayedCamera(AgentName("camera", name)))
         bus = MemoryBus(self._network)
         self._streams[name] = {
             "scan": bus.publisher(keys.SCAN.key(name), keys.SCAN.type_name),
@@ -299,6 +320,15 @@ class SurveillanceCourse:
     def freeze_manager(self) -> None:
         """Have the manager do nothing any more, as when its program is frozen: no heartbeat comes from it."""
         self._containers["team"]._heartbeats.close()
+
+    def share_pose(self, name: str, pose: Pose2D) -> None:
+        """Publish the pose of a robot that is localized and takes no part in the patrol."""
+        self._bus.put(keys.POSE.key(name), _pose_message(pose, _START + self.time))
+
+    def show_motion(self, name: str, blobs: Sequence[Mapping[str, float]]) -> None:
+        """Publish what moves in an image of 100 x 100 px of a robot: blobs with `area` and `x`."""
+        told = {"stamp": _START + self.time, "width": 100, "height": 100, "settled": True, "blobs": list(blobs)}
+        self._containers[name].agent(AgentName("motion", name)).publish(told)
 
     def block(self, name: str, place: Point) -> None:
         """Have the navigation of a robot find no way to a place, m."""
@@ -373,11 +403,8 @@ class SurveillanceCourse:
             "reason": "the readings fit no place" if robot.is_lost else None,
         }
         self._containers[robot.name].agent(AgentName("localization", robot.name)).publish(told)
-        about = header(round(stamp * NS_PER_S), "map")
         if not robot.is_lost:
-            pose = PoseMessage(position=PointMessage(x=at.x, y=at.y, z=0.0), orientation=quaternion(at.heading))
-            message = PoseWithCovarianceStamped(about, PoseWithCovariance(pose, np.zeros(36)))
-            self._streams[robot.name]["pose"].put(message)
+            self._streams[robot.name]["pose"].put(_pose_message(at, stamp))
 
     def _scan(self, robot: PlayedRobot) -> LaserScan:
         about = header(round((_START + self.time) * NS_PER_S), f"{robot.name}/laser")
@@ -443,6 +470,11 @@ class SurveillanceCourse:
                     for side in (1.0, -1.0)
                 ]
         return found
+
+
+def _pose_message(pose: Pose2D, stamp: float) -> PoseWithCovarianceStamped:
+    at = PoseMessage(position=PointMessage(x=pose.x, y=pose.y, z=0.0), orientation=quaternion(pose.heading))
+    return PoseWithCovarianceStamped(header(round(stamp * NS_PER_S), "map"), PoseWithCovariance(at, np.zeros(36)))
 
 
 def _disc(name: str, place: Point, radius: float) -> MovingObject:

@@ -27,7 +27,6 @@ LOCALIZATION, MOTION = "localization", "motion"
 _BEYOND = 0.3  # s after the newest pose for which it holds
 _WAITING = 4  # readings that wait for the pose at their time
 _FRESH = 1.0  # s for which a pose and a scan are news
-_STANDS = 0.03, 0.05  # m/s, rad/s; what is slower stands
 _LEAST_APART = 0.02  # s between two poses from which a velocity follows
 _BESIDE = 0.05  # m beside the hull that have to be free
 _NEAR = 2.5  # m; another robot within may be in the way
@@ -76,9 +75,9 @@ class PatrolSenses(Closeable):
         self._pose: Pose2D | None = None
         self._state, self._reason = "stopped", "no localization was started"
         self._localized_at = self._heard_at = self._scanned_at = -inf
-        self._standing_since = inf
+        self._looks_since = inf
         self._deviation = inf
-        self._stamp, self._speed, self._turn_rate = -inf, 0.0, 0.0
+        self._stamp, self._turn_rate = -inf, 0.0
         self._ends = np.empty((0, 2))
         self._pan = 0.0
         self._pending: deque[tuple[float, Any]] = deque(maxlen=_WAITING)
@@ -158,6 +157,7 @@ class PatrolSenses(Closeable):
     def look(self, on: bool) -> None:
         """Look with the camera at what moves, or look no more; for a robot that stands."""
         if on and not self._camera and self.view > 0.0:
+            self._looks_since = self._loop.time()
             self._camera = [
                 self._subscribe(f"{self._robot}/agents/{MOTION}/results", self._hear_motion),
                 self._subscribe(keys.PTZ.key(self._robot), self._hear_head),
@@ -203,12 +203,7 @@ class PatrolSenses(Closeable):
         self._localized_at, stamp = now, float(result["stamp"])
         apart = stamp - self._stamp
         if self._pose is not None and _LEAST_APART < apart < _FRESH:
-            self._speed = hypot(pose.x - self._pose.x, pose.y - self._pose.y) / apart
             self._turn_rate = wrap_angle(pose.heading - self._pose.heading) / apart
-        if self._speed > _STANDS[0] or abs(self._turn_rate) > _STANDS[1]:
-            self._standing_since = inf
-        elif self._standing_since == inf:
-            self._standing_since = now
         self._pose, self._stamp = pose, stamp
         self._poses.add(stamp, pose)
         self._compare()
@@ -262,7 +257,7 @@ class PatrolSenses(Closeable):
         """Take what moves in the image of a robot that stands."""
         camera, now = self._settings.camera, self._loop.time()
         pose = self.pose
-        if pose is None or now - self._standing_since < camera.standing_s or not result.get("settled"):
+        if pose is None or now - self._looks_since < camera.standing_s or not result.get("settled"):
             return
         width, height = float(result["width"]), float(result["height"])
         things: list[UnexplainedThing] = []

@@ -11,6 +11,7 @@ from tests.apps.on_a_team import application, wait_until_stand
 from tests.shown import files
 from tests.waiting import wait_until
 
+
 class Night:
     """What the manager of the patrol publishes."""
 

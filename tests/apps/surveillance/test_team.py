@@ -1,5 +1,6 @@
 """A team on patrol in virtual time: the agents of the application, and robots that are played."""
 
+import base64
 from collections.abc import Callable, Iterator
 from math import dist
 from pathlib import Path
@@ -7,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from apps.surveillance.settings import SurveillanceSettings
-from benchmarks.surveillance_course import PlayedIntruder, SurveillanceCourse
+from benchmarks.surveillance_course import PICTURE, PlayedIntruder, SurveillanceCourse
 from geometry import Pose2D
 from tests.apps.surveillance.building import DOC, HAPPY, ROOMS, floor, map_file, world
 
@@ -21,11 +22,11 @@ def make(tmp_path: Path) -> Iterator[Make]:
     made = []
 
     def begin(
-        *intruders: PlayedIntruder, scan_s: float = NEVER, starts: dict[str, Pose2D] | None = None
+        *intruders: PlayedIntruder, starts: dict[str, Pose2D] | None = None, scan_s: float = NEVER, view: float = 0.0
     ) -> SurveillanceCourse:
         given = {"happy": HAPPY, "doc": DOC} if starts is None else starts
         course = SurveillanceCourse(
-            world(), map_file(tmp_path), floor(), ROOMS, given, SETTINGS, intruders=intruders, scan_s=scan_s
+            world(), map_file(tmp_path), floor(), ROOMS, given, SETTINGS, intruders=intruders, scan_s=scan_s, view=view
         )
         made.append(course)
         assert course.run_until(lambda: len(course.manager.assigned) == len(ROOMS), 10.0)
@@ -168,3 +169,39 @@ def test_robots_that_meet_raise_no_alarm(make: Make) -> None:
     course.run(60.0)
     assert course.manager.alarms.alarms == []
     assert course.false_sightings == 0
+
+
+def look(course: SurveillanceCourse, robot: str, blob: dict[str, float]) -> None:
+    """Wait until a robot has stood for a while and looks, and have something move in a few of its images."""
+    looks = f"looks in {course.manager.state_of_patrol()['robots'][robot]['next']}"
+    assert course.run_until(lambda: str(course.manager.members[robot].state["does"]).startswith("looks in"), 60.0), (
+        looks
+    )
+    course.run(1.4)
+    for _ in range(5):
+        course.show_motion(robot, [blob])
+        course.run(0.2)
+
+
+def test_what_moves_before_the_camera_of_a_standing_robot_raises_an_alarm_with_a_picture(make: Make) -> None:
+    course = make(view=1.0, starts={"happy": HAPPY})
+    look(course, "happy", {"area": 10.0, "x": 50.0})
+    assert course.manager.alarms.alarms == []  # too small
+    course.run(4.0)
+    look(course, "happy", {"area": 400.0, "x": 50.0})
+    (alarm,) = course.manager.alarms.alarms
+    assert (alarm.robot, alarm.sensor) == ("happy", "camera")
+    pictures = [event["picture"] for event in course.manager.events if "picture" in event]
+    assert [base64.b64decode(each["data"]) for each in pictures] == [PICTURE]
+
+
+def test_a_robot_of_the_team_that_drives_before_the_camera_raises_no_alarm(make: Make) -> None:
+    course = make(view=1.0)
+    assert course.run_until(lambda: str(course.manager.members["doc"].state["does"]).startswith("looks in"), 60.0)
+    doc = course.robots["doc"].pose
+    course.share_pose("stranger", doc.compose(Pose2D(1.5, 0.0, 0.0)))
+    course.run(1.4)
+    for _ in range(5):
+        course.show_motion("doc", [{"area": 400.0, "x": 50.0}])
+        course.run(0.2)
+    assert course.manager.alarms.alarms == []
