@@ -43,7 +43,8 @@ SHARED = 0.2  # s between two poses
 LASER = Pose2D(0.02, 0.0, 0.0)
 BEAMS, REACH, NOISE = 181, 10.0, 0.01  # of the laser: count, m, m
 WIDTH, FRONT, RADIUS = 0.4, 0.25, 0.22  # m of a played robot
-SIGHT = 8.0  # m in which an intruder counts as visible, if at least three beams end at it
+SIGHT, IN_A_ROW = 8.0, 5  # m and scans in a row in which an intruder is visible, if at least three beams end at it
+_KEPT_AWAY = 2.5  # m from any robot, at which an intruder appears
 OFF, TURNED = 0.015, 0.004  # m and rad: standard deviation of the error of the localization
 _MEMORY = 0.9  # of that error, from one pose to the next
 _ORIGIN = Pose2D(2.0, -1.0, 0.7)  # of odom in map, so that nobody takes one for the other
@@ -205,8 +206,8 @@ class _PlayedNavigation(Agent):
 class SurveillanceCourse:
     """A team on patrol. The same arguments and calls give the same night.
 
-    robots: by name. visible: for each intruder, s of the first scan in which a robot had it in view. reported:
-    likewise, s of the first alarm on the bus near it. false_sightings: alarms that are near no intruder.
+    robots: by name. visible: for each intruder, s from which on a robot has it in view. reported: likewise, s of the
+    first alarm on the bus near it. false_sightings: alarms that are near no intruder.
     """
 
     def __init__(
@@ -244,6 +245,7 @@ class SurveillanceCourse:
         self.robots = {name: PlayedRobot(name, pose) for name, pose in starts.items()}
         self.intruders = list(intruders)
         self.visible: dict[int, float] = {}
+        self._sights: dict[tuple[int, str], tuple[float, int]] = {}  # of an intruder by a robot: since when, and scans
         self.reported: dict[int, float] = {}
         self.false_sightings = 0
         self._scene = PlanarScene([*world.walls, *world.furniture], self._moving)
@@ -378,6 +380,9 @@ class SurveillanceCourse:
                 robot.step(STEP)
                 if step % round(1.0 / STEP) == 0:
                     robot.path.append(robot.pose)
+            for intruder in self.intruders:
+                if self.time - STEP < intruder.begins <= self.time and self._is_near_robot(intruder.way[0]):
+                    intruder.begins += 1.0
             alive = [each for each in self.robots.values() if not each.is_dead]
             if step % self._pose_steps == 0:
                 for robot in alive:
@@ -427,16 +432,22 @@ class SurveillanceCourse:
         )
 
     def _note_visible(self, robot: PlayedRobot, ranges: Any) -> None:
-        """Note when an intruder is in a scan for the first time: at least three beams end at it within 8 m."""
+        """Note since when a robot has an intruder in view: three beams end at it within 8 m, in five scans in a row."""
+        seen = np.where(np.isfinite(ranges), ranges, REACH)
+        bearings = np.linspace(-pi / 2, pi / 2, BEAMS)
         for number, intruder in enumerate(self.intruders):
             place = intruder.place(self.time)
             if place is None or number in self.visible:
                 continue
             x, y = robot.pose.compose(LASER).locate(*place)
-            bearings = np.linspace(-pi / 2, pi / 2, BEAMS)
-            ends = np.hypot(ranges * np.cos(bearings) - x, ranges * np.sin(bearings) - y)
-            if hypot(x, y) < SIGHT and np.count_nonzero(ends < BODY_RADIUS) >= 3:
-                self.visible[number] = self.time
+            ends = np.hypot(seen * np.cos(bearings) - x, seen * np.sin(bearings) - y)
+            if hypot(x, y) >= SIGHT or np.count_nonzero(ends < BODY_RADIUS) < 3:
+                self._sights.pop((number, robot.name), None)
+                continue
+            since, scans = self._sights.get((number, robot.name), (self.time, 0))
+            self._sights[number, robot.name] = since, scans + 1
+            if scans + 1 == IN_A_ROW:
+                self.visible[number] = since
 
     def _take_report(self, sample: Sample) -> None:
         """Note which intruders an alarm reports."""
@@ -454,6 +465,9 @@ class SurveillanceCourse:
         self.false_sightings += not near
         for number in near:
             self.reported.setdefault(number, self.time)
+
+    def _is_near_robot(self, place: Point) -> bool:
+        return any(dist((each.pose.x, each.pose.y), place) < _KEPT_AWAY for each in self.robots.values())
 
     def _moving(self) -> Sequence[MovingObject]:
         return self._shown

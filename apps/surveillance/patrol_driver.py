@@ -4,7 +4,6 @@ import asyncio
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from math import dist
-from random import Random
 from typing import Any
 
 from agents.platform import Agent, AgentError, AgentName, Ending, Outcome
@@ -21,6 +20,7 @@ _ASK = 1.0  # s between two questions how the mission stands
 _REPLY = 5.0  # s for an agent to answer
 _LONGEST = 600.0  # s that a robot may be on its way to one place
 _ARRIVING = 3.0  # s in which a goal reaches path planning
+_LATER = 4.0  # times that a robot waits longer than one that makes way
 _RETRIES = 3  # times that an agent may not answer in a row
 
 Goal = Callable[[], Point | None]
@@ -68,8 +68,7 @@ class PatrolDriver:
         self._localization = AgentName("localization", robot)
         self._front, self._width = float(geometry["length_front"]), float(geometry["width"])
         self._mission = ""
-        # Robots that stand before each other do not give up at the same time.
-        self._patience = settings.drive.blocked_s * Random(robot).uniform(0.5, 1.5)
+        self._robot = robot
 
     @property
     def navigates(self) -> bool:
@@ -176,8 +175,11 @@ class PatrolDriver:
             why = self._barred(pose, corner) or await self._straight(corner, place, goal)
             if why:
                 blocked_since = loop.time() if blocked_since is None else blocked_since
-                if loop.time() - blocked_since > self._patience:
-                    raise PlaceNotReached(why, is_traffic=self._senses.is_near_robot)
+                other = self._senses.near_robot
+                # Of two robots that stand before each other, one makes way at once, and the other waits for it.
+                patience = self._settings.drive.blocked_s * (1.0 if not other or self._robot < other else _LATER)
+                if loop.time() - blocked_since > patience:
+                    raise PlaceNotReached(why, is_traffic=bool(other))
                 await asyncio.sleep(LOOK)
             else:
                 blocked_since = None

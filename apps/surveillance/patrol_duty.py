@@ -25,6 +25,9 @@ from maps.map_files import read_building_map
 _DESCRIPTION_TIME = 3.0  # s
 _FIRST_POSE = 3.0  # s for the first result of the localization
 _CHECK = 0.1  # s between two looks whether the robot is able to go on
+_YIELDS = 3  # times in a row that a robot makes way; then its room counts as not reached
+_PASSING = 8.0  # s for which a robot that has made way waits for the other
+_BACK = 0.5  # m from where the robot came from, at which it has made way
 _BESIDE = 0.05  # m that ways keep beside the hull
 
 
@@ -118,6 +121,8 @@ class PatrolDuty:
         self._robot_name, self._floor, self._settings = agent.name.platform, robot.floor, settings
         self._on_alarm = on_alarm
         self._does = "waits for rooms"
+        self._yields = 0  # in a row, to other robots
+        self._came_from: Point | None = None  # the room of the last visit, m, or where the patrol began
         self._visits: dict[str, float] = {}  # s of the loop's time, by room
         self._returned: dict[str, str] = {}  # rooms that it gave back, and why
         self._alarms: list[WatchedThing] = []
@@ -141,6 +146,8 @@ class PatrolDuty:
             await asyncio.sleep(_CHECK)
         if not self.senses.is_localized:
             raise Refused(f"{self._robot_name}: {self.senses.trouble}")
+        pose = self.senses.pose
+        self._came_from = None if pose is None else (pose.x, pose.y)
         if why := self._spent(self._settings.trust.battery_again):
             raise Refused(f"{self._robot_name} {why}")
 
@@ -257,14 +264,17 @@ class PatrolDuty:
             await self._unless(is_over, self._driver.go(lambda: self.plan.rooms[room], patrol.reached_m))
         except PlaceNotReached as err:
             self._does = f"has not reached {room}: {err}"
-            if err.is_traffic or self.senses.is_near_robot:
-                self.plan.postpone(room)
+            is_traffic = err.is_traffic or bool(self.senses.near_robot)
+            self._yields = self._yields + 1 if is_traffic else 0
+            if is_traffic and self._yields <= _YIELDS:
+                await self._make_way()
             elif self.plan.missed(room, self._loop.time()):
                 self._returned[room] = str(err)
             return
         if is_over():
             return
         self._does = f"looks in {room}"
+        self._yields, self._came_from = 0, self.plan.rooms[room]
         self._visits[room] = self._loop.time()
         self.plan.visited(room, self._loop.time())
         self.senses.look(True)
@@ -272,6 +282,15 @@ class PatrolDuty:
             await self._unless(lambda: self.is_on_errand, asyncio.sleep(patrol.dwell_s))
         finally:
             self.senses.look(False)
+
+    async def _make_way(self) -> None:
+        """Drive back to where the robot came from, so that another robot gets through."""
+        self._does = "makes way for another robot"
+        back = self._came_from
+        if back is not None:
+            with suppress(PlaceNotReached):  # then the other one has to
+                await self._unless(lambda: self.is_on_errand, self._driver.go(lambda: back, _BACK))
+            await self._unless(lambda: self.is_on_errand, asyncio.sleep(_PASSING))
 
     async def _unless(self, is_over: Callable[[], bool], work: Coroutine[Any, Any, None]) -> None:
         """Do something until its end, or until there is something else to do."""

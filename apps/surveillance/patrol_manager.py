@@ -81,7 +81,7 @@ class PatrolManager(Agent):
         self.events: list[dict[str, Any]] = []
         self._told: dict[tuple[str, int], TeamAlarm] = {}  # by robot and its number of the intruder
         self._tasks: set[asyncio.Task[None]] = set()
-        self._is_trade_due = False
+        self._is_trade_due, self._traded_at = False, 0.0
 
     async def setup(self) -> None:
         """Watch agents and containers, and begin."""
@@ -312,10 +312,11 @@ class PatrolManager(Agent):
                 await asyncio.sleep(_NO_BIDS)
                 return
             self._is_trade_due = True
-        for _ in range(self.tuned.auction.trades if self._is_trade_due else 0):
-            if not await self._trade():
-                break
-        self._is_trade_due = False
+        if self._is_trade_due or self._clock() - self._traded_at > self.tuned.auction.trade_s:
+            self._is_trade_due, self._traded_at = False, self._clock()
+            for _ in range(self.tuned.auction.trades):
+                if not await self._trade():
+                    break
 
     async def _sell(self, rooms: Sequence[str]) -> bool:
         """Auction one of some rooms; return whether a robot has taken it."""

@@ -149,10 +149,14 @@ class PatrolSenses(Closeable):
         return "something is in the way" if bool(is_barred) else ""
 
     @property
-    def is_near_robot(self) -> bool:
-        """Whether another robot of the team is near, which may be what is in the way."""
-        pose = self.pose
-        return pose is not None and any(hypot(each.x - pose.x, each.y - pose.y) < _NEAR for each in self.robots())
+    def near_robot(self) -> str:
+        """The name of the nearest robot of the team, if it is so near that it may be what is in the way; or empty."""
+        pose, found = self.pose, self._places()
+        if pose is None or not found:
+            return ""
+        away = {robot: hypot(each.x - pose.x, each.y - pose.y) for robot, each in found.items()}
+        robot = min(away, key=lambda name: away[name])
+        return robot if away[robot] < _NEAR else ""
 
     def look(self, on: bool) -> None:
         """Look with the camera at what moves, or look no more; for a robot that stands."""
@@ -167,11 +171,14 @@ class PatrolSenses(Closeable):
 
     def robots(self) -> list[NearRobot]:
         """Return the other robots of the team, as far as they share their poses."""
-        now, found = self._loop.time(), []
-        for sample, at in list(self._others.values()):
+        return list(self._places().values())
+
+    def _places(self) -> dict[str, NearRobot]:
+        now, found = self._loop.time(), {}
+        for robot, (sample, at) in list(self._others.items()):
             with suppress(MessageError, AttributeError):
                 place = sample.decoded().pose.pose.position
-                found.append(NearRobot(float(place.x), float(place.y), now - at))
+                found[robot] = NearRobot(float(place.x), float(place.y), now - at)
         return found
 
     def _subscribe(self, key: str, hear: HearReading) -> Subscription:

@@ -31,6 +31,7 @@ class AuctionSettings:
     bids_s: float
     trade: float
     trades: int
+    trade_s: float
     retry_s: float
 
 

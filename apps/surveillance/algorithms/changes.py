@@ -14,6 +14,7 @@ from maps.localization.likelihood_field import LikelihoodField
 
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
+Cells = NDArray[np.int64]
 
 _FIELD_CELL = 0.05  # m
 _SAMPLE, _BEFORE_END = 0.08, 0.2  # m along a beam, and before its end, where the floor counts as free
@@ -22,7 +23,7 @@ _GONE = 30  # times without an echo between, until furniture is known to be gone
 _THIN = 0.015  # m that a beam adds to the width of what it meets, at most
 _SLOW_TURN = 0.2  # rad/s; a scan of a robot that turns faster does not tell exactly where the floor is free
 _ABOUT = 2  # cells about furniture in which echoes are those of the furniture
-_UP, _RIGHT = (each.reshape(-1) for each in np.mgrid[-_ABOUT : _ABOUT + 1, -_ABOUT : _ABOUT + 1])
+_MARGIN = 1  # cells about a cell that were free as well, if it was
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,21 +82,29 @@ class SeenFloor:
         self._furniture[cells] = True
         self._free[cells] = 0
 
-    def is_expected(self, points: Floats) -> Bools:
-        """Which points are at furniture, or where the floor was never seen free; those become furniture."""
+    def is_expected(self, points: Floats, margin: int = _MARGIN) -> Bools:
+        """Which points are at furniture, or where the floor was never seen free; those become furniture.
+
+        Args:
+            points: m in `map`, shape (n, 2).
+            margin: Cells about a point that must have been free as well.
+        """
         rows, columns = self._floor.cells_of(points)
-        height, width = self._free.shape
-        about = (
-            np.clip(rows[:, np.newaxis] + _UP, 0, height - 1),
-            np.clip(columns[:, np.newaxis] + _RIGHT, 0, width - 1),
-        )
-        near: Bools = self._furniture[about].any(axis=1)
-        new = ~near & (self._free[rows, columns] < _OFTEN)
+        near = self._furniture[self._about(rows, columns, _ABOUT)].any(axis=1)
+        # Beams that pass a surface closely show the cells before it as free; those within it never were.
+        free = self._free[self._about(rows, columns, margin)].min(axis=1)
+        new = ~near & (free < _OFTEN)
         self._furniture[rows[new], columns[new]] = True
         stands = self._furniture[rows, columns]
         self._free[rows[stands], columns[stands]] = 0
         expected: Bools = near | new
         return expected
+
+    def _about(self, rows: Cells, columns: Cells, reach: int) -> tuple[Cells, Cells]:
+        """Rows and columns of the cells about each of some cells, shape (n, cells)."""
+        height, width = self._free.shape
+        up, right = (each.reshape(-1) for each in np.mgrid[-reach : reach + 1, -reach : reach + 1])
+        return np.clip(rows[:, np.newaxis] + up, 0, height - 1), np.clip(columns[:, np.newaxis] + right, 0, width - 1)
 
 
 class MapComparison:
@@ -193,7 +202,7 @@ class MapComparison:
             is_odd = bool((self._field.distances_at(places) > sonar.wall_m).all() and self._floor.is_free(at).all())
             is_odd = is_odd and not self._blocked(start, places).any() and bool(self._no_robot(places, robots).all())
             if seen is not None:
-                is_odd = is_odd and not seen.is_expected(at).any()
+                is_odd = is_odd and not seen.is_expected(at, 0).any()
                 if not is_odd:
                     seen.note_free(start, at)
             if is_odd:

@@ -159,10 +159,6 @@ class RoomPlan:
         self.are_seen.add(room)
         self._advance(room)
 
-    def postpone(self, room: str) -> None:
-        """Go on to the next room, since another robot is in the way to this one."""
-        self._advance(room)
-
     def missed(self, room: str, now: float) -> bool:
         """Note that the robot could not reach a room, and go on; return whether it gives the room back."""
         attempts = self._attempts[room] = self._attempts.get(room, 0) + 1
