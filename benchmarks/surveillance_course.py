@@ -11,7 +11,7 @@ import base64
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
-from math import atan2, cos, dist, hypot, inf, pi, sin
+from math import atan2, cos, dist, hypot, inf, nan, pi, sin
 from pathlib import Path
 from random import Random
 from typing import Any
@@ -24,7 +24,7 @@ from apps.surveillance.algorithms.floor import PatrolFloor
 from apps.surveillance.patrol_manager import NAME, PatrolManager
 from apps.surveillance.settings import SurveillanceSettings
 from bus import MemoryBus, MemoryNetwork, Publisher, Refused, Sample, keys
-from bus.messages import NS_PER_S, LaserScan, header, quaternion
+from bus.messages import NS_PER_S, BatteryState, LaserScan, header, quaternion
 from bus.messages import Point as PointMessage
 from bus.messages import Pose as PoseMessage
 from bus.ros_msgs import PoseWithCovariance, PoseWithCovarianceStamped
@@ -326,6 +326,29 @@ class SurveillanceCourse:
     def share_pose(self, name: str, pose: Pose2D) -> None:
         """Publish the pose of a robot that is localized and takes no part in the patrol."""
         self._bus.put(keys.POSE.key(name), _pose_message(pose, _START + self.time))
+
+    def share_battery(self, name: str, fraction: float, *, charging: bool) -> None:
+        """Publish how full the battery of a robot is, 0 to 1."""
+        status = BatteryState.POWER_SUPPLY_STATUS_CHARGING if charging else BatteryState.POWER_SUPPLY_STATUS_DISCHARGING
+        message = BatteryState(
+            header=header(round((_START + self.time) * NS_PER_S), f"{name}/base_link"),
+            voltage=25.0,
+            temperature=nan,
+            current=nan,
+            charge=nan,
+            capacity=nan,
+            design_capacity=nan,
+            percentage=fraction,
+            power_supply_status=status,
+            power_supply_health=BatteryState.POWER_SUPPLY_HEALTH_UNKNOWN,
+            power_supply_technology=0,
+            present=True,
+            cell_voltage=np.empty(0, np.float32),
+            cell_temperature=np.empty(0, np.float32),
+            location="",
+            serial_number="",
+        )
+        self._bus.put(keys.BATTERY.key(name), message)
 
     def show_motion(self, name: str, blobs: Sequence[Mapping[str, float]]) -> None:
         """Publish what moves in an image of 100 x 100 px of a robot: blobs with `area` and `x`."""

@@ -23,7 +23,7 @@ from maps.building_map import BuildingMap
 from maps.map_files import read_building_map
 
 _DESCRIPTION_TIME = 3.0  # s
-_FIRST_POSE = 3.0  # s for the first result of the localization
+_FIRST_POSE = 3.0  # s for the first result of the localization, and of the battery
 _CHECK = 0.1  # s between two looks whether the robot is able to go on
 _YIELDS = 3  # times in a row that a robot makes way; then its room counts as not reached
 _PASSING = 8.0  # s for which a robot that has made way waits for the other
@@ -118,6 +118,7 @@ class PatrolDuty:
         self.senses = PatrolSenses(agent, robot.sensors, comparison, robot.seen, settings, self._alarmed)
         self.senses.view = robot.view
         self._driver = PatrolDriver(agent, directory, self.senses, robot.floor, robot.geometry, settings)
+        self._directory = directory
         self._robot_name, self._floor, self._settings = agent.name.platform, robot.floor, settings
         self._on_alarm = on_alarm
         self._does = "waits for rooms"
@@ -136,13 +137,16 @@ class PatrolDuty:
         return self._errand is not None
 
     async def check(self) -> None:
-        """Wait for the first pose, and see whether the robot is able.
+        """Wait for the first pose and the state of the battery, and see whether the robot is able.
 
         Raises:
             Refused: It is not.
         """
         until = self._loop.time() + _FIRST_POSE
-        while not self.senses.is_localized and self._loop.time() < until:
+        has_battery = self._directory.knows(AgentName("battery", self._robot_name))
+        while self._loop.time() < until:
+            if self.senses.is_localized and (self.senses.charging is not None or not has_battery):
+                break
             await asyncio.sleep(_CHECK)
         if not self.senses.is_localized:
             raise Refused(f"{self._robot_name}: {self.senses.trouble}")

@@ -3,6 +3,8 @@
 from collections.abc import Sequence
 from pathlib import Path
 
+import numpy as np
+
 from apps.pictures import save_picture
 from apps.surveillance.algorithms.floor import PatrolFloor
 from apps.surveillance.record import NightRecord, most_neglected
@@ -12,7 +14,6 @@ from maps.building_map import BuildingMap
 
 PAGE, FLOOR, NEGLECT = "report.md", "floor.png", "neglect.png"
 _COLOURS = ("#1f77b4", "#d9730d", "#4a9d2a", "#bd6794", "#9a40c2", "#8a8f98", "#17a2a2")
-_MOST_LINES = 6  # rooms whose neglect is drawn in colours of their own
 
 
 def write_report(folder: Path, record: NightRecord, map_: BuildingMap | None = None) -> Path:
@@ -141,26 +142,26 @@ def draw_neglect(file: Path, record: NightRecord) -> None:
     require("the picture of the neglect", "plots")
     from matplotlib.figure import Figure  # slow to import, and only needed here
 
-    page = Figure(figsize=(8.0, 3.6), layout="constrained")
+    rooms = list(most_neglected(record))
+    page = Figure(figsize=(8.0, 1.4 + 0.24 * len(rooms)), layout="constrained")
     axes = page.subplots()
-    minutes = [time / 60.0 for time in record.times]
-    for number, room in enumerate(most_neglected(record)):
-        is_named = number < _MOST_LINES
-        axes.plot(
-            minutes[-len(record.neglect[room]) :],
-            record.neglect[room],
-            color=_COLOURS[number % len(_COLOURS)] if is_named else "#d0d3d8",
-            linewidth=1.0 if is_named else 0.7,
-            zorder=2 if is_named else 1,
-            label=room if is_named else None,
-        )
+    count = len(record.times)
+    table = np.array([([0.0] * count + record.neglect[room])[-count:] for room in rooms]).reshape(len(rooms), count)
+    lasted = record.times[-1] / 60.0 if record.times else 1.0
+    shown = axes.imshow(
+        table,
+        aspect="auto",
+        cmap="YlOrRd",
+        vmin=0.0,
+        interpolation="nearest",
+        extent=(0.0, max(lasted, 0.01), len(rooms), 0.0),
+    )
+    page.colorbar(shown, ax=axes, label="s since the last visit", pad=0.01)
     for each in record.alarms.values():
-        axes.axvline(each.time / 60.0, color="#b5382f", linewidth=0.8, linestyle="--")
-    axes.set_title("time since the last visit, by room; alarms dashed", loc="left", fontsize=10)
+        axes.axvline(each.time / 60.0, color="#1f77b4", linewidth=1.0, linestyle="--")
+    axes.set_yticks([number + 0.5 for number in range(len(rooms))], rooms, fontsize=8)
+    axes.set_title("time since the last visit of each room; alarms dashed", loc="left", fontsize=10)
     axes.set_xlabel("min")
-    axes.set_ylabel("s")
-    if record.neglect:
-        axes.legend(frameon=False, fontsize=8, loc="upper left", bbox_to_anchor=(1.0, 1.0))
     save_picture(page, file)
 
 

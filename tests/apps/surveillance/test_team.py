@@ -205,3 +205,16 @@ def test_a_robot_of_the_team_that_drives_before_the_camera_raises_no_alarm(make:
         course.show_motion("doc", [{"area": 400.0, "x": 50.0}])
         course.run(0.2)
     assert course.manager.alarms.alarms == []
+
+
+def test_a_robot_that_is_charged_leaves_its_rooms_to_others_and_joins_again_afterwards(make: Make) -> None:
+    course = make()
+    course.run(5.0)
+    course.share_battery("doc", 0.5, charging=True)
+    assert course.run_until(lambda: list(course.manager.assigned.values()) == ["happy"] * 4, 3.0)
+    assert "doc leaves the patrol: doc is being charged" in told(course)
+    course.share_battery("doc", 0.5, charging=False)
+    assert course.run_until(lambda: "doc" in course.manager.assigned.values(), 15.0)
+    course.share_battery("doc", 0.1, charging=False)
+    assert course.run_until(lambda: list(course.manager.assigned.values()) == ["happy"] * 4, 3.0)
+    assert "doc leaves the patrol: doc has to be charged: its battery is at 10%" in told(course)
