@@ -137,9 +137,23 @@ class PlayedRobot:
 
 
 class _PlayedBase(Agent):
-    """The agent of the base, of which only the description is used."""
+    """The agent of the base: it drives straight to a place in odom."""
 
     services = ("component", "base")
+
+    def __init__(self, robot: PlayedRobot, geometry: Mapping[str, float]) -> None:
+        super().__init__(AgentName("base", robot.name), {"geometry": dict(geometry)})
+        self._robot = robot
+
+    @request("go_to")
+    async def go_to(self, x: float, y: float, speed: float) -> dict[str, Any]:
+        self._robot.way = [_ORIGIN.transform(x, y)]
+        try:
+            while self._robot.way:
+                await asyncio.sleep(STEP)
+        finally:
+            self._robot.way = []
+        return {}
 
 
 class _PlayedMotion(Agent):
@@ -224,6 +238,7 @@ class SurveillanceCourse:
         scan_s: float = SHARED,
         pose_s: float = SHARED,
         view: float = 0.0,
+        navigates: bool = True,
     ) -> None:
         """Start all agents.
 
@@ -239,6 +254,7 @@ class SurveillanceCourse:
             scan_s: s between two scans; a whole number of steps.
             pose_s: s between two poses, likewise; no more than between two scans.
             view: Field of view of cameras, rad; 0 for no cameras.
+            navigates: The robots have an indoor navigation.
         """
         self.loop = CourseLoop()
         self.floor = floor
@@ -248,9 +264,11 @@ class SurveillanceCourse:
         self._sights: dict[tuple[int, str], tuple[float, int]] = {}  # of an intruder by a robot: since when, and scans
         self.reported: dict[int, float] = {}
         self.false_sightings = 0
+        self._standers: list[str] = []
         self._scene = PlanarScene([*world.walls, *world.furniture], self._moving)
         self._rng, self._scan_steps = np.random.default_rng(seed), round(scan_s / STEP)
         self._pose_steps, self._view = round(pose_s / STEP), view
+        self._navigates = navigates
         self._random = Random(seed)
         self._network = MemoryNetwork()
         self._bus = MemoryBus(self._network)
@@ -284,7 +302,7 @@ class SurveillanceCourse:
         robot = self.robots[name]
         geometry = {"length_front": FRONT, "length_rear": FRONT, "width": WIDTH}
         played: list[Agent] = [
-            _PlayedBase(AgentName("base", name), {"geometry": geometry}),
+            _PlayedBase(robot, geometry),
             _PlayedLocalization(robot, self._file),
         ]
         if self._view:
@@ -296,18 +314,24 @@ class SurveillanceCourse:
             "pose": bus.publisher(keys.POSE.key(name), keys.POSE.type_name),
         }
         self._run(self._join(name, *played))
-        self._run(self._join(f"{name}-navigation", _PlayedNavigation(robot, self.floor)))
+        if self._navigates:
+            self._run(self._join(f"{name}-navigation", _PlayedNavigation(robot, self.floor)))
 
     def add(self, name: str, pose: Pose2D) -> None:
         """Have another robot join."""
         self.robots[name] = PlayedRobot(name, pose)
         self.bring_up(name)
 
+    def add_stander(self, name: str, pose: Pose2D) -> None:
+        """Have a robot stand somewhere that is localized and takes no part in the patrol."""
+        self.robots[name] = PlayedRobot(name, pose, is_dead=True)
+        self._standers.append(name)
+
     def kill(self, name: str) -> None:
         """End the agents of a robot as when it is switched off; it stands from now on."""
         self.robots[name].is_dead = True
         self.robots[name].way = []
-        for container in (name, f"{name}-navigation"):
+        for container in {name, f"{name}-navigation"} & self._containers.keys():
             self._run(self._containers.pop(container).close())
 
     def freeze(self, name: str) -> None:
@@ -403,13 +427,13 @@ class SurveillanceCourse:
                 robot.step(STEP)
                 if step % round(1.0 / STEP) == 0:
                     robot.path.append(robot.pose)
-            for intruder in self.intruders:
-                if self.time - STEP < intruder.begins <= self.time and self._is_near_robot(intruder.way[0]):
-                    intruder.begins += 1.0
+            self._keep_away()
             alive = [each for each in self.robots.values() if not each.is_dead]
             if step % self._pose_steps == 0:
                 for robot in alive:
                     self._share(robot)
+                for name in self._standers:
+                    self.share_pose(name, self.robots[name].pose)
             if step % self._scan_steps == 0:
                 self._shown = tuple(self._objects())
                 for robot in alive:
@@ -488,6 +512,12 @@ class SurveillanceCourse:
         self.false_sightings += not near
         for number in near:
             self.reported.setdefault(number, self.time)
+
+    def _keep_away(self) -> None:
+        """Have intruders who would appear beside a robot come later."""
+        for intruder in self.intruders:
+            if self.time - STEP < intruder.begins <= self.time and self._is_near_robot(intruder.way[0]):
+                intruder.begins += 1.0
 
     def _is_near_robot(self, place: Point) -> bool:
         return any(dist((each.pose.x, each.pose.y), place) < _KEPT_AWAY for each in self.robots.values())

@@ -25,7 +25,7 @@ from maps.map_files import read_building_map
 _DESCRIPTION_TIME = 3.0  # s
 _FIRST_POSE = 3.0  # s for the first result of the localization, and of the battery
 _CHECK = 0.1  # s between two looks whether the robot is able to go on
-_YIELDS = 3  # times in a row that a robot makes way; then its room counts as not reached
+_YIELDS = 1  # times that a robot makes way for one room; then the room counts as not reached
 _PASSING = 8.0  # s for which a robot that has made way waits for the other
 _BACK = 0.5  # m from where the robot came from, at which it has made way
 _BESIDE = 0.05  # m that ways keep beside the hull
@@ -272,8 +272,10 @@ class PatrolDuty:
             self._yields = self._yields + 1 if is_traffic else 0
             if is_traffic and self._yields <= _YIELDS:
                 await self._make_way()
-            elif self.plan.missed(room, self._loop.time()):
-                self._returned[room] = str(err)
+            else:
+                self._yields = 0
+                if self.plan.missed(room, self._loop.time()):
+                    self._returned[room] = str(err)
             return
         if is_over():
             return
@@ -294,6 +296,7 @@ class PatrolDuty:
         if back is not None:
             with suppress(PlaceNotReached):  # then the other one has to
                 await self._unless(lambda: self.is_on_errand, self._driver.go(lambda: back, _BACK))
+                self.plan.has_moved()
             await self._unless(lambda: self.is_on_errand, asyncio.sleep(_PASSING))
 
     async def _unless(self, is_over: Callable[[], bool], work: Coroutine[Any, Any, None]) -> None:

@@ -63,7 +63,7 @@ class RoomPlan:
         self._visited_at: dict[str, float] = {}
         self._attempts: dict[str, int] = {}
         self._barred_until: dict[str, float] = {}
-        self._failed: set[str] = set()  # rooms that could not be reached since the last visit
+        self._failed: set[str] = set()  # rooms that could not be reached since it last got somewhere
         self.are_seen: set[str] = set()
 
     @property
@@ -170,6 +170,10 @@ class RoomPlan:
         self._barred_until[room] = now + self._settings.barred_s
         self.give_up(room)
         return True
+
+    def has_moved(self) -> None:
+        """Note that the robot has got somewhere, so that it is not stuck."""
+        self._failed.clear()
 
     def way(self, target: Point, place: Point) -> float:
         """Length of the way from where the robot is to a target, m; infinite where there is none."""

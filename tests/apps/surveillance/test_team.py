@@ -4,9 +4,11 @@ import base64
 from collections.abc import Callable, Iterator
 from math import dist
 from pathlib import Path
+from typing import Any
 
 import pytest
 
+from apps.surveillance.algorithms.neglect import RoomVisit
 from apps.surveillance.settings import SurveillanceSettings
 from benchmarks.surveillance_course import PICTURE, PlayedIntruder, SurveillanceCourse
 from geometry import Pose2D
@@ -22,11 +24,11 @@ def make(tmp_path: Path) -> Iterator[Make]:
     made = []
 
     def begin(
-        *intruders: PlayedIntruder, starts: dict[str, Pose2D] | None = None, scan_s: float = NEVER, view: float = 0.0
+        *intruders: PlayedIntruder, starts: dict[str, Pose2D] | None = None, scan_s: float = NEVER, **options: Any
     ) -> SurveillanceCourse:
         given = {"happy": HAPPY, "doc": DOC} if starts is None else starts
         course = SurveillanceCourse(
-            world(), map_file(tmp_path), floor(), ROOMS, given, SETTINGS, intruders=intruders, scan_s=scan_s, view=view
+            world(), map_file(tmp_path), floor(), ROOMS, given, SETTINGS, intruders=intruders, scan_s=scan_s, **options
         )
         made.append(course)
         assert course.run_until(lambda: len(course.manager.assigned) == len(ROOMS), 10.0)
@@ -160,8 +162,8 @@ def test_an_intruder_raises_one_alarm_and_the_nearest_robot_follows_it(make: Mak
     assert dist((pose.x, pose.y), place) < 3.5
     assert course.run_until(lambda: course.manager.state_of_patrol()["alarms"][0]["follower"] is None, 60.0)
     assert len(course.manager.alarms.alarms) == 1
-    visits = course.manager.ledger.visits if course.manager.ledger else []
-    assert course.run_until(lambda: visits[-1].robot == follower and visits[-1].time > course.time - 1.0, 60.0)
+    count = len(visits(course))
+    assert course.run_until(lambda: follower in {each.robot for each in visits(course)[count:]}, 60.0)
 
 
 def test_robots_that_meet_raise_no_alarm(make: Make) -> None:
@@ -218,3 +220,29 @@ def test_a_robot_that_is_charged_leaves_its_rooms_to_others_and_joins_again_afte
     course.share_battery("doc", 0.1, charging=False)
     assert course.run_until(lambda: list(course.manager.assigned.values()) == ["happy"] * 4, 3.0)
     assert "doc leaves the patrol: doc has to be charged: its battery is at 10%" in told(course)
+
+
+def test_without_a_navigation_robots_drive_along_the_map_and_stand_when_the_manager_has_gone(make: Make) -> None:
+    course = make(starts={"happy": HAPPY}, scan_s=0.4, navigates=False)
+    assert course.run_until(lambda: len({visit.room for visit in visits(course)}) == 4, 90.0)
+    begin_driving(course, "happy")
+    course.kill_manager()
+    course.run(1.0)
+    assert not moves(course, "happy")
+
+
+def test_without_a_navigation_a_robot_makes_way_for_another_one_and_drives_on_afterwards(make: Make) -> None:
+    course = make(starts={"happy": HAPPY}, scan_s=0.4, navigates=False)
+    course.add_stander("stranger", Pose2D(4.0, 2.6, 3.1))  # in the door between South and East
+    assert course.run_until(
+        lambda: course.manager.members["happy"].state["does"] == "makes way for another robot", 60.0
+    )
+    came_from = ROOMS[visits(course)[-1].room]
+    robot = course.robots["happy"]
+    assert course.run_until(lambda: dist((robot.pose.x, robot.pose.y), came_from) < 0.6, 20.0)
+    assert course.run_until(lambda: len(robot.way) > 0, 15.0)
+    assert course.manager.serving == ["happy"]
+
+
+def visits(course: SurveillanceCourse) -> list[RoomVisit]:
+    return [] if course.manager.ledger is None else course.manager.ledger.visits
