@@ -195,16 +195,18 @@ class PatrolManager(Agent):
                     self._begin(self._serve(robot, member))
                 elif not is_there:
                     member.trouble = "is not there"
+            elif member.trouble:
+                pass  # it is being ended
             elif not is_attended:
                 self._begin(self._end(member, "the program does not ask any more"))
             elif now - member.heard > self.tuned.trust.silent_s:
+                self._begin(self._stop(robot))  # at once: a frozen agent does not confirm that it has ended
                 self._begin(self._end(member, f"has been silent for {now - member.heard:.1f} s"))
 
     async def _end(self, member: PatrolMember, why: str) -> None:
-        serving = member.serving
-        if serving is not None:
-            member.trouble = why
-            await serving.cancel()
+        member.trouble = why
+        if member.serving is not None:
+            await member.serving.cancel()
 
     async def _serve(self, robot: str, member: PatrolMember) -> None:
         """Have one robot serve, until it does not any more."""
