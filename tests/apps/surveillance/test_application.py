@@ -6,7 +6,8 @@ from typing import Any
 import pytest
 
 from agents import RobotError
-from apps.surveillance.application import main
+from apps.surveillance import application
+from apps.surveillance.application import main, status, write_now
 from apps.surveillance.record import NightRecord
 from apps.surveillance.report import write_report
 from apps.surveillance.settings import SurveillanceSettings
@@ -85,3 +86,18 @@ def test_a_night_of_which_every_second_look_is_kept_still_has_all_rooms(monkeypa
     record = night()
     assert record.times == [0.0, 2.0]
     assert {len(each) for each in record.neglect.values()} == {2}
+
+
+def test_requests_tell_the_status_and_write_the_report_so_far(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(application, "_running", [])
+    for ask in (status, write_now):
+        with pytest.raises(RobotError, match="the patrol has not begun yet"):
+            ask()
+    monkeypatch.setattr(application, "_running", [night()])
+    monkeypatch.setattr("apps.surveillance.report.missing", lambda *extras: ["matplotlib"])
+    assert status()["longest"] == 2.0
+    page = write_now(str(tmp_path / "so-far"))["report"]
+    assert "2 s: alarm 1" in Path(page).read_text()
+    (tmp_path / "file").touch()
+    with pytest.raises(RobotError, match="the report cannot be written to"):
+        write_now(str(tmp_path / "file" / "below"))
