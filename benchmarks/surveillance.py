@@ -25,7 +25,8 @@ from apps.surveillance.record import NightRecord
 from apps.surveillance.report import draw_floor, draw_neglect
 from apps.surveillance.settings import SurveillanceSettings
 from benchmarks.figures import Figure, percentile
-from benchmarks.surveillance_course import SPEED, STEP, TURN, WIDTH, PlayedIntruder, PlayedRobot, SurveillanceCourse
+from benchmarks.surveillance_course import WIDTH, SurveillanceCourse
+from benchmarks.surveillance_robots import SPEED, STEP, TURN, PlayedIntruder, PlayedRobot
 from geometry import Point, Pose2D, polygon_edges, wrap_angle
 from maps.building_map import BuildingMap
 from maps.map_files import write_building_map
@@ -193,7 +194,7 @@ def hour(name: str, out: str = "", lasts: float = HOUR, fails: float = FAILURE) 
         try:
             course.run(fails)
             failed = rng.choice(ROBOTS)
-            rooms = [room for room, robot in course.manager.assigned.items() if robot == failed]
+            rooms = [room for room, robot in course.manager.market.assigned.items() if robot == failed]
             course.kill(failed)
             while course.time < lasts:
                 course.run(10.0)

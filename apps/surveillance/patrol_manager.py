@@ -7,18 +7,17 @@ agents of each robot. Each of them serves in a conversation that the manager kee
 import asyncio
 from collections.abc import Coroutine, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field
 from math import hypot
 from typing import Any
 
 from agents.platform import Agent, AgentError, AgentName, Bid, request
 from agents.platform.containers import ContainerDirectory, order
-from agents.platform.conversations.fipa_request import Request
 from agents.platform.conversations.fipa_subscribe import FOREVER
 from agents.platform.directory import Directory
 from apps.surveillance.algorithms.intruders import TeamAlarm, TeamAlarms
 from apps.surveillance.algorithms.neglect import NeglectLedger
 from apps.surveillance.patrol_agent import KIND, LOCAL
+from apps.surveillance.room_market import PatrolMember, RoomMarket
 from apps.surveillance.settings import SurveillanceSettings
 from bus import BusError, keys
 from geometry import Point
@@ -31,31 +30,7 @@ _PUBLISHED = 1.0  # s between two results
 _REPLY = 5.0  # s for an agent to answer
 _FOLLOWING = 600.0  # s for a follower to end; it ends by itself before
 _SAME_VISIT = 1.5  # s between two reports of one visit
-_NO_BIDS = 2.0  # s after an auction without bids until the next
 _ROOM_KINDS = ("Goal", "GoalWithHeading")
-
-
-@dataclass(slots=True)
-class PatrolMember:
-    """A robot of the team.
-
-    serving: the conversation in which it serves. state: its latest, with `heard`, s of the loop's time. trouble: why it
-    does not serve. again: s of the loop's time when it is asked again. begins: it is being asked. has_joined: it has
-    reported in this conversation.
-    """
-
-    serving: Request | None = None
-    state: Mapping[str, Any] = field(default_factory=dict)
-    heard: float = 0.0
-    trouble: str = ""
-    again: float = 0.0
-    begins: bool = False
-    has_joined: bool = False
-
-    @property
-    def serves(self) -> bool:
-        """Whether it patrols."""
-        return self.serving is not None and bool(self.state.get("serves"))
 
 
 class PatrolManager(Agent):
@@ -75,13 +50,12 @@ class PatrolManager(Agent):
         self.tuned = SurveillanceSettings.of_table(given["settings"])
         self.places: dict[str, Point] = {room: (float(x), float(y)) for room, (x, y) in given["rooms"].items()}
         self.members: dict[str, PatrolMember] = {}
-        self.assigned: dict[str, str] = {}
+        self.market = RoomMarket(self, self.members, self.tuned.auction)
         self.ledger: NeglectLedger | None = None
         self.alarms = TeamAlarms(self.tuned.alarm)
         self.events: list[dict[str, Any]] = []
         self._told: dict[tuple[str, int], TeamAlarm] = {}  # by robot and its number of the intruder
         self._tasks: set[asyncio.Task[None]] = set()
-        self._is_trade_due, self._traded_at = False, 0.0
 
     async def setup(self) -> None:
         """Watch agents and containers, and begin."""
@@ -137,7 +111,7 @@ class PatrolManager(Agent):
                 room: {
                     "x": x,
                     "y": y,
-                    "robot": self.assigned.get(room),
+                    "robot": self.market.assigned.get(room),
                     "neglect": round(neglect.get(room, 0.0), 1),
                     "longest": round(longest.get(room, 0.0), 1),
                     "visits": ledger.count(room) if ledger is not None else 0,
@@ -234,7 +208,7 @@ class PatrolManager(Agent):
             member.trouble = member.trouble or trouble
             member.again = self._clock() + self.tuned.auction.retry_s
             member.state = {**member.state, "serves": False}
-            self._release(robot)
+            self.market.release(robot)
         if did_serve:
             self._tell(f"{robot} leaves the patrol: {member.trouble}", robot=robot)
             await self._stop(robot)
@@ -283,11 +257,6 @@ class PatrolManager(Agent):
             raise AgentError(f"the map of {robot} has no goals; name rooms with their places")
         self.places = self.places or {room: goals[room] for room in wanted}
 
-    def _release(self, robot: str) -> None:
-        """Have the rooms of a robot auctioned again."""
-        for room in [room for room, owner in self.assigned.items() if owner == robot]:
-            del self.assigned[room]
-
     async def _stop(self, robot: str) -> None:
         """Stop a robot whose agent may have died or frozen: its mission, and what its gateway does."""
         interface = AgentName(INTERFACE, robot)
@@ -305,79 +274,9 @@ class PatrolManager(Agent):
         return sorted(robot for robot, each in self.members.items() if each.serves)
 
     async def _auction(self) -> None:
-        """Have rooms without a robot taken, one after the other, and then robots trade rooms."""
-        robots = self.serving
-        if self.ledger is None or not robots:
-            return
-        while rooms := [room for room in self.places if room not in self.assigned]:
-            if not await self._sell(rooms):
-                await asyncio.sleep(_NO_BIDS)
-                return
-            self._is_trade_due = True
-        if self._is_trade_due or self._clock() - self._traded_at > self.tuned.auction.trade_s:
-            self._is_trade_due, self._traded_at = False, self._clock()
-            for _ in range(self.tuned.auction.trades):
-                if not await self._trade():
-                    break
-
-    async def _sell(self, rooms: Sequence[str]) -> bool:
-        """Auction one of some rooms; return whether a robot has taken it."""
-        tender = await self.call_for_proposals(
-            [AgentName(LOCAL, robot) for robot in self.serving],
-            "take_room",
-            choose=lambda bids: min(bids, key=_rank),
-            bids_within=self.tuned.auction.bids_s,
-            reply_within=_REPLY,
-            rooms=self._neglect(rooms),
-        )
-        for peer, result in tender.done.items():
-            if self.members[peer.platform].serves:
-                self.assigned[str(result["room"])] = peer.platform
-        return bool(tender.done)
-
-    async def _trade(self) -> bool:
-        """Have robots trade rooms, beginning with the one whose tour is longest; return whether two have."""
-        periods = {robot: float(self.members[robot].state.get("period") or 0.0) for robot in self.serving}
-        for giver in sorted(periods, key=lambda robot: -periods[robot]):
-            theirs = [room for room, owner in self.assigned.items() if owner == giver]
-            others = [robot for robot in periods if robot != giver]
-            if not theirs or not others:
-                continue
-            tender = await self.call_for_proposals(
-                [AgentName(LOCAL, robot) for robot in others],
-                "trade_rooms",
-                choose=self._best_trade,
-                bids_within=self.tuned.auction.bids_s,
-                reply_within=_REPLY,
-                theirs=theirs,
-                neglect=self._neglect(theirs),
-            )
-            for peer, result in tender.done.items():
-                await self._hand_over(giver, peer.platform, str(result["room"]), str(result["back"]))
-                return True
-        return False
-
-    def _best_trade(self, bids: Sequence[Bid]) -> Bid | None:
-        best = min(bids, key=lambda bid: float(bid.proposal["gain"]))
-        return best if float(best.proposal["gain"]) < self.tuned.auction.trade else None
-
-    async def _hand_over(self, giver: str, taker: str, room: str, back: str) -> None:
-        """Complete a trade at the robot that was called for it."""
-        self.assigned[room] = taker
-        if back:
-            self.assigned.pop(back, None)
-        neglected = self._neglect([back]).get(back) if back else None
-        done = await self.request(
-            AgentName(LOCAL, giver), "exchange", reply_within=_REPLY, give=room, take=back, neglected=neglected
-        )
-        if done.is_done and back and self.members[giver].serves:
-            self.assigned[back] = giver
-
-    def _neglect(self, rooms: Sequence[str]) -> dict[str, float | None]:
-        """How long rooms were not visited, s; None for those that were never."""
-        assert self.ledger is not None
-        neglect = self.ledger.neglect(self._clock())
-        return {room: neglect[room] if self.ledger.count(room) else None for room in rooms}
+        """Have rooms without a robot taken, and rooms traded."""
+        if self.ledger is not None:
+            await self.market.settle(self.places, self.ledger)
 
     # What the robots report.
 
@@ -396,14 +295,14 @@ class PatrolManager(Agent):
         if not member.has_joined:
             member.has_joined = True
             self.ledger = self.ledger or NeglectLedger(self.places, now)
-            self._is_trade_due = True
+            self.market.is_trade_due = True
             self._tell(f"{robot} joins the patrol", robot=robot)
         assert self.ledger is not None
         for room, ago in told.get("visits", {}).items():
             self._take_visit(room, robot, now - float(ago))
         for room, why in told.get("returned", {}).items():
-            if self.assigned.get(room) == robot:
-                del self.assigned[room]
+            if self.market.assigned.get(room) == robot:
+                del self.market.assigned[room]
                 self._tell(f"{robot} cannot reach {room}: {why}", robot=robot, room=room)
         for each in told.get("intruders", []):
             self._take_intruder(robot, each)
@@ -461,9 +360,3 @@ class PatrolManager(Agent):
             where = f"({float(result['x']):.1f}, {float(result['y']):.1f})"
             self._tell(f"alarm {alarm.number}: {peer.platform} has lost the intruder at {where}", alarm=alarm.number)
         alarm.follower = ""
-
-
-def _rank(bid: Bid) -> tuple[float, float, float, str]:
-    """The order of bids for a room: the best first."""
-    told = bid.proposal
-    return float(told["period"]), float(told["added"]), float(told["way"]), str(bid.bidder)

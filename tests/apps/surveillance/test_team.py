@@ -10,7 +10,8 @@ import pytest
 
 from apps.surveillance.algorithms.neglect import RoomVisit
 from apps.surveillance.settings import SurveillanceSettings
-from benchmarks.surveillance_course import PICTURE, PlayedIntruder, SurveillanceCourse
+from benchmarks.surveillance_course import SurveillanceCourse
+from benchmarks.surveillance_robots import PICTURE, PlayedIntruder
 from geometry import Pose2D
 from tests.apps.surveillance.building import DOC, HAPPY, ROOMS, floor, map_file, world
 
@@ -31,7 +32,7 @@ def make(tmp_path: Path) -> Iterator[Make]:
             world(), map_file(tmp_path), floor(), ROOMS, given, SETTINGS, intruders=intruders, scan_s=scan_s, **options
         )
         made.append(course)
-        assert course.run_until(lambda: len(course.manager.assigned) == len(ROOMS), 10.0)
+        assert course.run_until(lambda: len(course.manager.market.assigned) == len(ROOMS), 10.0)
         return course
 
     yield begin
@@ -58,7 +59,7 @@ def begin_driving(course: SurveillanceCourse, robot: str) -> None:
 
 def test_all_rooms_are_taken_by_bids_and_visited_again_and_again(make: Make) -> None:
     course = make()
-    assert set(course.manager.assigned.values()) == {"happy", "doc"}
+    assert set(course.manager.market.assigned.values()) == {"happy", "doc"}
     course.run(80.0)
     status = course.manager.state_of_patrol()
     assert all(room["visits"] >= 2 for room in status["rooms"].values())
@@ -70,7 +71,7 @@ def test_the_rooms_of_a_robot_that_dies_are_auctioned_again(make: Make) -> None:
     course = make()
     course.run(20.0)
     course.kill("doc")
-    assert course.run_until(lambda: list(course.manager.assigned.values()) == ["happy"] * 4, 5.0)
+    assert course.run_until(lambda: list(course.manager.market.assigned.values()) == ["happy"] * 4, 5.0)
     assert any("doc leaves the patrol" in text for text in told(course))
 
 
@@ -78,16 +79,16 @@ def test_a_robot_that_falls_silent_is_stopped_and_its_rooms_are_auctioned_again(
     course = make()
     begin_driving(course, "doc")
     course.freeze("doc")
-    assert course.run_until(lambda: list(course.manager.assigned.values()) == ["happy"] * 4, 8.0)
+    assert course.run_until(lambda: list(course.manager.market.assigned.values()) == ["happy"] * 4, 8.0)
     assert not moves(course, "doc")
     assert any("doc leaves the patrol: has been silent" in text for text in told(course))
 
 
 def test_a_robot_that_joins_gets_rooms(make: Make) -> None:
     course = make(starts={"happy": HAPPY})
-    assert set(course.manager.assigned.values()) == {"happy"}
+    assert set(course.manager.market.assigned.values()) == {"happy"}
     course.add("doc", DOC)
-    assert course.run_until(lambda: list(course.manager.assigned.values()).count("doc") == 2, 15.0)
+    assert course.run_until(lambda: list(course.manager.market.assigned.values()).count("doc") == 2, 15.0)
 
 
 def test_a_robot_that_is_lost_stands_at_once_and_its_rooms_are_auctioned_again(make: Make) -> None:
@@ -96,9 +97,9 @@ def test_a_robot_that_is_lost_stands_at_once_and_its_rooms_are_auctioned_again(m
     course.robots["doc"].is_lost = True
     course.run(1.5)
     assert not moves(course, "doc")
-    assert course.run_until(lambda: list(course.manager.assigned.values()) == ["happy"] * 4, 8.0)
+    assert course.run_until(lambda: list(course.manager.market.assigned.values()) == ["happy"] * 4, 8.0)
     course.robots["doc"].is_lost = False
-    assert course.run_until(lambda: "doc" in course.manager.assigned.values(), 15.0)
+    assert course.run_until(lambda: "doc" in course.manager.market.assigned.values(), 15.0)
 
 
 def test_robots_stand_when_the_manager_has_gone(make: Make) -> None:
@@ -133,16 +134,16 @@ def test_a_robot_that_another_program_drives_leaves_its_rooms_to_others_and_is_l
     begin_driving(course, "doc")
     robot = course.robots["doc"]
     robot.mission, robot.way = "another", [(6.0, 5.5)]
-    assert course.run_until(lambda: list(course.manager.assigned.values()) == ["happy"] * 4, 10.0)
+    assert course.run_until(lambda: list(course.manager.market.assigned.values()) == ["happy"] * 4, 10.0)
     assert any("another program drives it" in text for text in told(course))
 
 
 def test_a_room_that_one_robot_cannot_reach_is_taken_by_another(make: Make) -> None:
     course = make()
-    owner = course.manager.assigned["Far"]
+    owner = course.manager.market.assigned["Far"]
     course.block(owner, ROOMS["Far"])
     other = "happy" if owner == "doc" else "doc"
-    assert course.run_until(lambda: course.manager.assigned.get("Far") == other, 200.0)
+    assert course.run_until(lambda: course.manager.market.assigned.get("Far") == other, 200.0)
     assert any(f"{owner} cannot reach Far: no way" in text for text in told(course))
 
 
@@ -213,12 +214,12 @@ def test_a_robot_that_is_charged_leaves_its_rooms_to_others_and_joins_again_afte
     course = make()
     course.run(5.0)
     course.share_battery("doc", 0.5, charging=True)
-    assert course.run_until(lambda: list(course.manager.assigned.values()) == ["happy"] * 4, 3.0)
+    assert course.run_until(lambda: list(course.manager.market.assigned.values()) == ["happy"] * 4, 3.0)
     assert "doc leaves the patrol: doc is being charged" in told(course)
     course.share_battery("doc", 0.5, charging=False)
-    assert course.run_until(lambda: "doc" in course.manager.assigned.values(), 15.0)
+    assert course.run_until(lambda: "doc" in course.manager.market.assigned.values(), 15.0)
     course.share_battery("doc", 0.1, charging=False)
-    assert course.run_until(lambda: list(course.manager.assigned.values()) == ["happy"] * 4, 3.0)
+    assert course.run_until(lambda: list(course.manager.market.assigned.values()) == ["happy"] * 4, 3.0)
     assert "doc leaves the patrol: doc has to be charged: its battery is at 10%" in told(course)
 
 
