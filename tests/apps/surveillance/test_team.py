@@ -149,7 +149,7 @@ def test_a_room_that_one_robot_cannot_reach_is_taken_by_another(make: Make) -> N
 
 def test_an_intruder_raises_one_alarm_and_the_nearest_robot_follows_it(make: Make) -> None:
     walk = ((3.4, 0.6), (3.4, 2.4), (1.8, 2.2), (1.8, 3.4), (1.2, 5.0))
-    course = make(PlayedIntruder(walk, 45.0, 0.5, 40.0), scan_s=0.2)
+    course = make(PlayedIntruder(walk, 30.0, 0.5, 40.0), scan_s=0.2)
     assert course.run_until(lambda: 0 in course.reported, 80.0)
     assert course.reported[0] - course.visible[0] <= 3.0
     (alarm,) = course.manager.state_of_patrol()["alarms"]
@@ -157,7 +157,7 @@ def test_an_intruder_raises_one_alarm_and_the_nearest_robot_follows_it(make: Mak
     places = {name: (each.pose.x, each.pose.y) for name, each in course.robots.items()}
     here = alarm["x"], alarm["y"]
     assert follower == min(places, key=lambda name: floor().length(places[name], here))
-    assert course.run_until(lambda: course.time >= 80.0, 60.0)
+    assert course.run_until(lambda: course.time >= 62.0, 60.0)
     pose, place = course.robots[follower].pose, course.intruders[0].place(course.time)
     assert place is not None
     assert dist((pose.x, pose.y), place) < 3.5
@@ -169,7 +169,7 @@ def test_an_intruder_raises_one_alarm_and_the_nearest_robot_follows_it(make: Mak
 
 def test_robots_that_meet_raise_no_alarm(make: Make) -> None:
     course = make(scan_s=0.5, starts={"happy": HAPPY, "doc": Pose2D(2.6, 1.2, 3.1)})
-    course.run(60.0)
+    course.run(40.0)
     assert course.manager.alarms.alarms == []
     assert course.false_sightings == 0
 
