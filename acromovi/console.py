@@ -6,11 +6,17 @@ import getpass
 import json
 import os
 import sys
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from contextlib import ExitStack
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from acromovi.options import CONSOLE_PORT, add_apps, add_bus, tcp_port
 from acromovi.subcommand import Subcommand
+
+if TYPE_CHECKING:
+    from bus.bus import Bus
+    from recorder.recording import McapRecording
 
 HOST = "127.0.0.1"
 EPILOG = f"""\
@@ -20,6 +26,8 @@ examples:
   acromovi console --team acromovi
       with the walls of the team's world, and the robots where they began
   acromovi console --map floor.map
+  acromovi console --replay drive.mcap --map floor.map
+      show a recording like a live team, with play, pause and seek
   acromovi console --password
       write the password that is asked for when the console is served to other computers
   acromovi console --host 0.0.0.0
@@ -40,6 +48,13 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--team", metavar="TEAM", help="team whose world and starts are shown: a name or a file")
     parser.add_argument("--map", metavar="FILE", type=Path, help="show these walls: an ARIA .map or a world file")
+    parser.add_argument(
+        "--replay",
+        metavar="FILE",
+        type=Path,
+        nargs="+",
+        help="show a recording in place of a live team; all of its files if it was split",
+    )
     parser.add_argument("--control", metavar="PATH", default="", help="control socket of the emulator, for faults")
     parser.add_argument("--settings", metavar="FILE", type=Path, help="change settings of the application")
     parser.add_argument("--password", action="store_true", help="write the password file, and end")
@@ -62,6 +77,9 @@ def _run(arguments: argparse.Namespace) -> int:
     from configs.extras import require
 
     require("acromovi console", "console")
+    if arguments.replay and arguments.control:
+        print("acromovi console: a recording has no emulator; leave out --control or --replay", file=sys.stderr)
+        return 2
     if arguments.password:
         return _write_password(arguments.password_file)
     from apps.web.access import PasswordHash, Sessions
@@ -74,23 +92,47 @@ def _run(arguments: argparse.Namespace) -> int:
     from apps.console.server import serve
     from apps.console.settings import ConsoleSettings
     from apps.web.server import address, listening
+    from bus.memory import MemoryBus
     from bus.session import ZenohBus
 
     settings = ConsoleSettings.load(arguments.settings)
     floor = floor_plan(arguments.map) if arguments.map else floor_plan_of_team(arguments.team)
     starts: Mapping[str, tuple[float, float, float]] = starts_of_team(arguments.team)
     inputs = ConsoleInputs(floor, starts, arguments.control, arguments.bus, str(Path.cwd()), arguments.apps)
-    with listening(arguments.host, arguments.port) as listener, ZenohBus.open(arguments.bus) as bus:
+    with ExitStack() as stack:
+        listener = stack.enter_context(listening(arguments.host, arguments.port))
+        recording = stack.enter_context(_recording(arguments.replay)) if arguments.replay else None
+        bus: Bus = stack.enter_context(MemoryBus() if recording is not None else ZenohBus.open(arguments.bus))
         url = address(listener, arguments.host)
         words = json.dumps({"console": url}) if arguments.json else f"console: {url} (Ctrl-C ends it)"
 
         async def hold() -> None:
             access = settings.access
             sessions = Sessions(password, access.session_s, access.pause_s) if password is not None else None
-            await serve(bus, settings, inputs, sessions, listener, arguments.host, lambda: print(words, flush=True))
+            replay = None
+            if recording is not None:
+                from apps.console.replay import Replay  # of the extra `recorder`
+
+                replay = stack.enter_context(Replay(recording, bus))
+            await serve(
+                bus, settings, inputs, sessions, listener, arguments.host, lambda: print(words, flush=True), replay
+            )
 
         asyncio.run(hold())
     return 0
+
+
+def _recording(files: Sequence[Path]) -> "McapRecording":
+    """Open the files of a recording, and report what of them cannot be read."""
+    from configs.extras import require
+
+    require("acromovi console --replay", "recorder")
+    from recorder.recording import McapRecording
+
+    recording = McapRecording.open(files)
+    for note in recording.notes:
+        print(f"acromovi console: {note}", file=sys.stderr)
+    return recording
 
 
 def _write_password(file: Path) -> int:

@@ -4,7 +4,7 @@
 between processes; on a `MemoryBus` of its own it shows a recording like a live team, with tokens and descriptions.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 from bus import keys
@@ -157,6 +157,8 @@ class PlaybackPublisher(Closeable):
             if self._with_presence:
                 self._show(sample)
             return
+        if self._with_presence and keys.topic_of(sample.key) is keys.LEASE_STATE:
+            self._show(sample)  # a gateway answers with it as well
         if not is_stream(sample.key):
             self.left_out.add(sample.key)
             return
@@ -169,6 +171,27 @@ class PlaybackPublisher(Closeable):
             self.published += 1
         except KeyNotValid:  # of a file of other programs
             self.left_out.add(sample.key)
+
+    def show_only(self, presence: Iterable[Recorded]) -> None:
+        """Show the tokens and descriptions of another position, after a jump.
+
+        Tokens that stand at both positions are not withdrawn.
+
+        Args:
+            presence: As `presence_at` yields it.
+        """
+        shown = list(presence)
+        alive: dict[str, bool] = {}
+        for each in shown:
+            if (token := _token_of(each.sample)) is not None:
+                alive[self._new_key(token[0])] = token[1]
+        for key in [key for key in self._tokens if not alive.get(key)]:
+            self._show_token(key, False)
+        for each in shown:
+            if each.sample.key != TOKENS:
+                self._show(each.sample)
+        for key, is_alive in alive.items():
+            self._show_token(key, is_alive)
 
     def stand_still(self) -> None:
         """Withdraw all tokens and descriptions, for a jump to another position."""
@@ -184,14 +207,12 @@ class PlaybackPublisher(Closeable):
     def _show(self, sample: Sample) -> None:
         """Show a token, or keep a description; what is malformed shows nothing."""
         try:
-            value = decode_json(sample.payload)
             if sample.key == TOKENS:
-                match value:
-                    case {"key": str(key), "alive": bool(is_alive)}:
-                        self._show_token(self._new_key(key), is_alive)
+                if (token := _token_of(sample)) is not None:
+                    self._show_token(self._new_key(token[0]), token[1])
                 return
             key = self._new_key(sample.key)
-            self._descriptions[key] = value
+            self._descriptions[key] = decode_json(sample.payload)
             if key not in self._served:
                 self._served[key] = self._bus.serve(key, lambda given: self._descriptions[key])
         except (KeyNotValid, MessageError):
@@ -211,6 +232,20 @@ class PlaybackPublisher(Closeable):
     def _new_key(self, key: str) -> str:
         platform, slash, rest = key.partition("/")
         return self._renamed.get(platform, platform) + slash + rest
+
+
+def _token_of(sample: Sample) -> tuple[str, bool] | None:
+    """Return the key of a token of a recording, and whether it appeared; None for other samples, or malformed ones."""
+    if sample.key != TOKENS:
+        return None
+    try:
+        value = decode_json(sample.payload)
+    except MessageError:
+        return None
+    match value:
+        case {"key": str(key), "alive": bool(is_alive)}:
+            return key, is_alive
+    return None
 
 
 def presence_at(recording: McapRecording, time_ns: int) -> Iterator[Recorded]:

@@ -1,8 +1,8 @@
 """Which tests run, where and in which order.
 
 With `--dist loadscope` a worker takes one unit after the other: the tests of a file, since they share what is started
-for them, or those of the conformance suite for one emulated robot. The longest units come first, so that the workers
-finish at the same time. With `--quick` the files that take long are left out.
+for them, those of a folder that shares more, or those of the conformance suite for one emulated robot. The longest
+units come first, so that the workers finish at the same time. With `--quick` the files that take long are left out.
 """
 
 import re
@@ -17,6 +17,7 @@ from xdist.scheduler import LoadScopeScheduling
 DURATIONS = Path(__file__).with_name("durations.toml")
 QUICK = 0.02  # s that a test takes of a file that is not listed
 WORTH_LISTING = 0.3  # s from which on a file is listed when the list is written anew
+SHARED = re.compile(r"^tests/apps/console/in_a_browser/")  # one team and one browser for all files of the folder
 SITE = re.compile(r"^(pty_tests)/.*\[([a-z0-9]+(?:-sh)?(?::[a-z0-9,:]+)?(?:@\w+)?)")
 
 
@@ -27,6 +28,8 @@ def durations() -> dict[str, float]:
 
 def unit_of(nodeid: str) -> str:
     """What one worker runs as a whole."""
+    if shared := SHARED.match(nodeid):
+        return shared[0]
     site = SITE.match(nodeid)
     return f"{site[1]} on {site[2]}" if site else file_of(nodeid)
 

@@ -49,6 +49,7 @@ ELSEWHERE = {
     "acromovi record happy --output drive.mcap --seconds 10": RECORDING,
     "acromovi replay drive.mcap --speed 10 --rename happy=recorded": RECORDING,
     "acromovi plot drive.mcap": RECORDING,
+    "acromovi console --replay drive.mcap": "tests/apps/console/in_a_browser/test_a_recording.py",
     "acromovi agent start broker@acromovi agents.services.broker:BrokerAgent --in services": (
         "tests/agents/services/test_broker.py"
     ),

@@ -24,9 +24,10 @@ ROOT = Path(__file__).resolve().parents[1]
         ("pty_tests/test_rows.py::test_a[p3dx-sh:gripper,arm-ARM_STATUS]", "pty_tests on p3dx-sh:gripper,arm"),
         ("pty_tests/test_foreign_driver.py::test_a[p3dx-sh@office]", "pty_tests on p3dx-sh@office"),
         ("pty_tests/test_client.py::test_no_robot", "pty_tests/test_client.py"),
+        ("tests/apps/console/in_a_browser/test_agents.py::test_a", "tests/apps/console/in_a_browser/"),
     ],
 )
-def test_a_unit_is_a_file_or_an_emulated_robot_of_the_conformance_suite(nodeid: str, unit: str) -> None:
+def test_a_unit_is_a_file_or_a_folder_or_an_emulated_robot_of_the_conformance_suite(nodeid: str, unit: str) -> None:
     assert unit_of(nodeid) == unit
 
 

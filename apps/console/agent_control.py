@@ -50,4 +50,4 @@ def _why_not(console: Console, key: str) -> str:
         console.agent.bus.check_may_query(key)
     except NotAllowed as err:
         return str(err)
-    return "" if console.may_command else "the role of this certificate permits looking only"
+    return console.look_only

@@ -9,7 +9,7 @@ from nicegui.events import GenericEventArguments
 from apps.console.emulator import EmulatorRefused
 from apps.console.map_canvas import MapCanvas
 from apps.console.outcomes import OutcomeList
-from apps.console.page import panel
+from apps.console.page import disable_if_looking, panel
 from apps.console.program import Console
 from apps.console.visits import Visit
 
@@ -35,7 +35,7 @@ class _FaultsPage:
         self._active: object = None
         self._doors: object = None
         self._fields: dict[str, ui.input] = {}
-        with ui.element("div").classes("c-columns"):
+        with ui.element("div").classes("c-columns") as columns:
             with ui.element("div").classes("c-stack"):
                 with panel("Inject a fault"):
                     self._choice = ui.select([], label="Fault", with_input=True, on_change=self._describe)
@@ -72,6 +72,7 @@ class _FaultsPage:
                 self._map.on("choose", self._choose)
                 self._map.on("place", self._place)
         self._paused = False
+        disable_if_looking(console, columns)
         ui.timer(0.0, self._refresh, once=True)
         ui.timer(_REFRESH, self._refresh)
 
@@ -142,7 +143,7 @@ class _FaultsPage:
                     clear = ui.button(
                         "Clear", on_click=lambda number=number: self._ask("clear", "cleared", number=number)
                     )
-                    clear.props("outline dense no-caps")
+                    clear.props("outline dense no-caps").set_enabled(self._console.may_command)
 
     def _show_doors(self, doors: Mapping[str, Any]) -> None:
         shown = {name: door["opening"] > 0.5 * door["width"] for name, door in doors.items()}
@@ -159,7 +160,7 @@ class _FaultsPage:
                     ui.label("open" if is_open else "shut").classes("c-quiet")
                     words = "Shut" if is_open else "Open"
                     button = ui.button(words, on_click=lambda name=name, to=not is_open: self._move_door(name, to))
-                    button.props("outline dense no-caps")
+                    button.props("outline dense no-caps").set_enabled(self._console.may_command)
 
     async def _move_door(self, name: str, to: bool) -> None:
         await self._ask("door", f"{name} {'opens' if to else 'shuts'}", name=name, open=to)
@@ -187,8 +188,8 @@ class _FaultsPage:
 
     async def _ask(self, do: str, words: str, **arguments: Any) -> bool:
         """Ask the emulator for something, and tell the page what has come of it."""
-        if not self._console.may_command:
-            self._console.say(self._visit, "the role of this certificate permits looking only")
+        if why := self._console.look_only:
+            self._console.say(self._visit, why)
             return False
         try:
             await self._emulator.ask(do, **arguments)

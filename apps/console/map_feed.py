@@ -46,10 +46,11 @@ _MOST_GRID = 4_000_000  # cells of a grid that is sent
 
 @dataclass(slots=True)
 class _Sent:
-    """What a browser has: the version of each part, and the number of cells of each robot."""
+    """What a browser has: the version of each part and of the paths, and the number of cells of each robot."""
 
     versions: dict[str, int] = field(default_factory=dict)
     cells: dict[str, int] = field(default_factory=dict)
+    trails: int = -1
     number: int = 0
 
 
@@ -68,6 +69,7 @@ class MapFeed:
         places: FramePlaces,
         emulator: EmulatorControl | None,
         settings: MapSettings,
+        may_ask: bool,
     ) -> None:
         """Begin; little is done until a browser looks.
 
@@ -79,15 +81,17 @@ class MapFeed:
             places: Of the robots' frames.
             emulator: The emulator, which knows where its robots are; None without one.
             settings: Settings.
+            may_ask: Whether agents can be asked: not in a recording, nor with a role that permits looking only.
         """
         self.missions: dict[str, dict[str, Any]] = {}
         self.places = places
         self._agent, self._robots, self._directory, self._floor = agent, robots, directory, floor
-        self._emulator, self._settings = emulator, settings
+        self._emulator, self._settings, self._may_ask = emulator, settings, may_ask
         self._watching = 0
         self._number = 0  # of updates
         self._live = b""
         self._seen: tuple[int, ...] = ()
+        self._trails_begun = 0  # of the paths that fit the poses in `_live`
         self._moved = asyncio.Event()
         self._parts: dict[str, tuple[int, Any]] = {}  # version and content of what changes seldom
         self._sonar: dict[str, tuple[int, SonarPicture]] = {}
@@ -114,7 +118,7 @@ class MapFeed:
                 if not self._watching:
                     continue
                 await self._step(self._encode)
-                if now - look_at >= settings.look_s and (looking is None or looking.done()):
+                if self._may_ask and now - look_at >= settings.look_s and (looking is None or looking.done()):
                     look_at = now
                     looking = asyncio.ensure_future(self._step(self._ask_navigations))
         finally:
@@ -158,7 +162,8 @@ class MapFeed:
             if sent.versions.get(name) != version:
                 sent.versions[name] = version
                 head[name] = content
-        if "robots" in head and not sent.number:
+        if sent.trails != self._trails_begun:
+            sent.trails = self._trails_begun
             trails = {robot.name: list(robot.trail) for robot in self._robots.robots.values()}
             head["trails"] = {
                 name: [round(value * 1000.0) for point in trail for value in point] for name, trail in trails.items()
@@ -188,7 +193,7 @@ class MapFeed:
 
     async def _encode(self) -> None:
         """Encode poses and ranges, if there are new ones."""
-        now = time.monotonic()
+        now = self._robots.clock()
         topics = (keys.ODOM, keys.SONAR, keys.SCAN)
         robots = [(number, self._robots.robots[name]) for number, name in enumerate(self._names)]
         present = [(number, robot) for number, robot in robots if robot.is_there]
@@ -196,14 +201,17 @@ class MapFeed:
             for topic in topics:
                 if topic is keys.ODOM or (topic.suffix in ("sonar", "scan") and _has(robot, topic.suffix)):
                     self._robots.reading(robot.name, topic)
-        seen = tuple(
-            robot.readings[topic.suffix].number if topic.suffix in robot.readings else -1
-            for _, robot in present
-            for topic in topics
+        seen = (
+            self._robots.trails_begun,
+            *(
+                robot.readings[topic.suffix].number if topic.suffix in robot.readings else -1
+                for _, robot in present
+                for topic in topics
+            ),
         )
         if seen == self._seen:
             return
-        self._seen = seen
+        self._seen, self._trails_begun = seen, seen[0]
         self._live = b"".join(self._record(number, robot, now) for number, robot in present)
         self._tell()
 

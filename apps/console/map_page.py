@@ -89,8 +89,8 @@ class _MapPage:
 
     def _why_not_sent(self) -> str:
         """Return why the chosen robot cannot be sent; empty if it can."""
-        if not self._console.may_command:
-            return "the role of this certificate permits looking only"
+        if why := self._console.look_only:
+            return why
         robot = self._visit.robot
         if not any(name.local == _NAVIGATION and name.platform == robot for name in self._console.directory.names):
             return f"nobody navigates {robot}; start it with: acromovi navigate up {robot}"

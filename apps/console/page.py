@@ -5,6 +5,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 
 from nicegui import ui
+from nicegui.elements.mixins.disableable_element import DisableableElement
 
 from apps.console.program import Console
 from apps.console.visits import Visit
@@ -37,3 +38,10 @@ def panel(title: str, classes: str = "") -> Iterator[ui.element]:
         with ui.element("h2").classes("rv-heading"):
             ui.label(title)
         yield box
+
+
+def disable_if_looking(console: Console, box: ui.element) -> None:
+    """Disable all controls in a box if nothing can be commanded."""
+    for each in box.descendants():
+        if isinstance(each, DisableableElement) and not console.may_command:
+            each.set_enabled(False)

@@ -15,6 +15,8 @@ PAGES = (
     ConsolePage("/agents", "Agents", "hub", agents_page.build),
     ConsolePage("/faults", "Faults", "bolt", faults_page.build, lambda console: console.emulator is not None),
     ConsolePage("/timeline", "Timeline", "history", timeline_page.build),
-    ConsolePage("/applications", "Applications", "apps", applications_page.build),
+    ConsolePage(
+        "/applications", "Applications", "apps", applications_page.build, lambda console: console.replay is None
+    ),
 )
 """All pages, in the order of the navigation."""

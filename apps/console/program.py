@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import AsyncExitStack
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any, Self
 
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
@@ -32,6 +32,9 @@ from bus import BusError, NotAllowed, keys
 from bus.aio import query
 from bus.keys import Topic
 from configs.extras import missing
+
+if TYPE_CHECKING:
+    from apps.console.replay import Replay  # of the extra `recorder`
 
 _PATIENCE = 10.0  # s for a request to an agent
 _ANSWER = 2.0  # s for a command to a gateway
@@ -61,16 +64,25 @@ class ConsoleInputs:
 class Console:
     """The program behind the pages, for the time of a block.
 
-    agent: asks all other agents. settings: of the application. inputs: of its start. may_command: whether the role on
-    the bus permits more than looking. robots: the robots. timeline: the events. directory: the names of the agents.
+    agent: asks all other agents. settings: of the application. inputs: of its start. look_only: why nothing
+    can be commanded, in words; empty if the role on the bus permits it. replay: the recording that is shown; None for a
+    live team. robots: the robots. timeline: the events. directory: the names of the agents.
     agents: their containers and states. sniffer: what they send each other. map: the map. vision: the cameras and their
     heads. can_aim: whether what aims a camera by its image is installed. emulator: the emulator; None without one.
     applications: those that run. visits: the pages that are open, by ticket.
     """
 
-    def __init__(self, agent: Agent, settings: ConsoleSettings, inputs: ConsoleInputs, *, may_command: bool) -> None:
-        self.agent, self.settings, self.inputs, self.may_command = agent, settings, inputs, may_command
-        self.timeline = Timeline(agent.home.wall_time)
+    def __init__(
+        self,
+        agent: Agent,
+        settings: ConsoleSettings,
+        inputs: ConsoleInputs,
+        look_only: str = "",
+        replay: "Replay | None" = None,
+    ) -> None:
+        self.agent, self.settings, self.inputs = agent, settings, inputs
+        self.look_only, self.replay = look_only, replay
+        self._timeline = Timeline(agent.home.wall_time)
         self.can_aim = not missing("vision")
         self.emulator = EmulatorControl(inputs.control) if inputs.control else None
         self.applications = ApplicationRuns(inputs.bus, inputs.folder, inputs.folders)
@@ -81,12 +93,16 @@ class Console:
 
     async def __aenter__(self) -> Self:
         bus = self.agent.bus
-        self.robots = self._open.enter_context(RobotWatch(bus, self.timeline.tell))
+        if self.replay is None:
+            self.robots = self._open.enter_context(RobotWatch(bus, self._timeline.tell))
+        else:  # its events are read from the file
+            self.robots = self._open.enter_context(RobotWatch(bus, lambda kind, about, what: None, self.replay.now))
         self.directory = self._open.enter_context(Directory(bus))
         self.agents = self._open.enter_context(AgentWatch(bus, self.directory))
         self.sniffer = SnifferFeed(bus)
-        self.agent.listen("*/agents/monitor/results", self._hear_monitor, keep=64)
-        self.agent.listen("*/navigation/user_interface/send/LogMessage", self._hear_mission, keep=64, keyed=True)
+        if self.replay is None:
+            self.agent.listen("*/agents/monitor/results", self._hear_monitor, keep=64)
+            self.agent.listen("*/navigation/user_interface/send/LogMessage", self._hear_mission, keep=64, keyed=True)
         self.vision = await self._open.enter_async_context(RemoteVision(self.agent, RemoteVisionSettings.load()))
         self.map = MapFeed(
             self.agent,
@@ -96,8 +112,10 @@ class Console:
             FramePlaces(self.inputs.starts),
             self.emulator,
             self.settings.map,
+            self.may_command,
         )
-        tasks = self._watch_drivers(), self._sample(), self._recall(), self.map.run()
+        tasks = [self._watch_drivers(), self._sample(), self.map.run()]
+        tasks += [self._recall()] if self.replay is None else [self.replay.run(), self._begin_replay(self.replay)]
         self._tasks = [asyncio.ensure_future(each) for each in tasks]
         return self
 
@@ -107,6 +125,16 @@ class Console:
         await asyncio.gather(*(drive.close() for drive in self._drives.values()), return_exceptions=True)
         await self.applications.close()
         await self._open.aclose()
+
+    @property
+    def may_command(self) -> bool:
+        """Whether robots and agents can be commanded."""
+        return not self.look_only
+
+    @property
+    def timeline(self) -> Timeline:
+        """The events: of now, or those of the recording that is shown."""
+        return self._timeline if self.replay is None else self.replay.timeline
 
     # Pages.
 
@@ -244,7 +272,7 @@ class Console:
                 self.agent.bus.check_may_query(topic.key(robot))
             except NotAllowed as err:
                 return str(err)
-        return "" if self.may_command else "the role of this certificate permits looking only"
+        return self.look_only
 
     # What goes on by itself.
 
@@ -293,6 +321,20 @@ class Console:
                 await action()
             except Exception as err:  # whatever it is, the next look must come
                 self.agent.home.report(self.agent.name, "a periodic task of the console", err)
+
+    async def seek(self, elapsed: float) -> None:
+        """Go to a position of the recording that is shown, s since its first message."""
+        if (replay := self.replay) is None:
+            return
+        await replay.seek(elapsed)
+        if replay.history is not None:
+            self.robots.replace_paths(replay.history.paths_until(round(replay.now() * 1e9)))
+
+    async def _begin_replay(self, replay: "Replay") -> None:
+        """Show the beginning and play; meanwhile read what happens in the whole recording."""
+        await self.seek(0.0)
+        replay.play()
+        await replay.read_history()
 
     async def _recall(self) -> None:
         """Read what a monitor has noted before the console was started."""

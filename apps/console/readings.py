@@ -2,6 +2,7 @@
 
 import time
 from collections import deque
+from collections.abc import Callable
 from typing import Any
 
 from bus import Bus, MessageError, Sample
@@ -17,20 +18,21 @@ class LatestReading(Closeable):
     A sample is noted on the bus's thread and decoded when it is used: a stream at which nobody looks costs next to
     nothing, and no event loop wakes up for it.
 
-    number: of samples so far. at: s of the monotonic clock when the newest one came; 0 before the first.
+    number: of samples so far. at: s of the clock when the newest one came; 0 before the first.
     """
 
-    def __init__(self, bus: Bus, key: str, type_name: str) -> None:
+    def __init__(self, bus: Bus, key: str, type_name: str, clock: Callable[[], float] = time.monotonic) -> None:
         """Subscribe.
 
         Args:
             bus: The bus.
             key: The key.
             type_name: Of its messages.
+            clock: Returns s; that of a recording while one is shown.
         """
         self.number = 0
         self.at = 0.0
-        self._type_name = type_name
+        self._type_name, self._clock = type_name, clock
         self._sample: Sample | None = None
         self._decoded: tuple[int, Any] = 0, None
         self._times: deque[float] = deque(maxlen=256)
@@ -52,18 +54,19 @@ class LatestReading(Closeable):
         return self._decoded[1]
 
     def age(self, now: float) -> float:
-        """Return the s since the newest sample; infinite before the first one. now: s of the monotonic clock."""
+        """Return the s since the newest sample; infinite before the first one. now: s of the clock."""
         return now - self.at if self.number else float("inf")
 
     def rate(self, now: float) -> float:
-        """Return the samples in a second lately, Hz. now: s of the monotonic clock."""
-        return sum(now - at <= _WINDOW for at in list(self._times)) / _WINDOW
+        """Return the samples in a second lately, Hz. now: s of the clock."""
+        return sum(0.0 <= now - at <= _WINDOW for at in list(self._times)) / _WINDOW
 
     def close(self) -> None:
         """End the subscription."""
         self._subscription.close()
 
     def _note(self, sample: Sample) -> None:  # on the bus's thread
-        self._sample, self.at = sample, time.monotonic()
-        self._times.append(self.at)
+        self._sample, self.at = sample, self._clock()
+        if not self._times or self.at != self._times[-1]:  # a recording that is paused repeats its messages
+            self._times.append(self.at)
         self.number += 1

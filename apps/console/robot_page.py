@@ -70,6 +70,8 @@ class _RobotPage:
                 ui.label(self._visit.robot)
                 words, look = _KINDS[self._console.robots.robots[self._visit.robot].is_emulated]
                 ui.label(words).classes(f"c-badge {look}")
+                if self._console.replay is not None:
+                    ui.label("REPLAY").classes("c-badge c-recorded")
             with ui.element("div").classes("c-columns"):
                 for column in range(3):
                     with ui.element("div").classes("c-stack" + (" c-drivers" if column == 1 else "")):

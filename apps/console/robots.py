@@ -1,8 +1,9 @@
 """The robots on the bus, as the console knows them: descriptions, readings, paths."""
 
 import asyncio
+import time
 from collections import deque
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import partial
 from math import hypot
@@ -94,21 +95,26 @@ class RobotWatch(Closeable):
     """The robots on a bus, kept up to date in one event loop.
 
     robots: by name; a robot that has gone is kept, since it may come back. changes: counts the changes of presence,
-    descriptions, states and leases.
+    descriptions, states and leases. trails_begun: counts how often the paths were replaced. clock: returns the time of
+    readings, s.
     """
 
     ALWAYS = (keys.ODOM, keys.BATTERY, keys.BUMPERS, keys.DIAGNOSTICS)
     """Streams that are subscribed to as long as the robot is there; the others when a page needs them first."""
 
-    def __init__(self, bus: Bus, on_event: Callable[[str, str, str], None]) -> None:
+    def __init__(
+        self, bus: Bus, on_event: Callable[[str, str, str], None], clock: Callable[[], float] = time.monotonic
+    ) -> None:
         """Start watching, in a running event loop.
 
         Args:
             bus: The bus.
             on_event: Called with the kind of an event, the robot, and what has happened.
+            clock: Returns the time of readings, s; that of a recording while one is shown.
         """
+        self.clock = clock
         self.robots: dict[str, WatchedRobot] = {}
-        self.changes = 0
+        self.changes = self.trails_begun = 0
         self._bus = bus
         self._tell = on_event
         self._loop = asyncio.get_running_loop()
@@ -126,7 +132,7 @@ class RobotWatch(Closeable):
         """Return the newest reading of a stream; the first call subscribes to it."""
         known = self.robots[robot]
         if topic.suffix not in known.readings:
-            known.readings[topic.suffix] = LatestReading(self._bus, topic.key(robot), topic.type_name)
+            known.readings[topic.suffix] = LatestReading(self._bus, topic.key(robot), topic.type_name, self.clock)
         return known.readings[topic.suffix]
 
     def sample_paths(self) -> None:
@@ -136,6 +142,13 @@ class RobotWatch(Closeable):
                 x, y = pose[:2]
                 if not robot.trail or hypot(x - robot.trail[-1][0], y - robot.trail[-1][1]) >= _TRAIL:
                     robot.trail.append((x, y))
+
+    def replace_paths(self, paths: Mapping[str, Iterable[tuple[float, float]]]) -> None:
+        """Replace the paths of all robots, after a jump in a recording: x and y in odom, m, by robot."""
+        for name, robot in self.robots.items():
+            robot.trail.clear()
+            robot.trail.extend(paths.get(name, ()))
+        self.trails_begun += 1
 
     def close(self) -> None:
         """Stop watching."""
@@ -202,22 +215,9 @@ class RobotWatch(Closeable):
 
     def _note_state(self, robot: WatchedRobot, state: Any) -> None:
         before, robot.state = robot.state, state
-        if before is None:
-            self.changes += 1
-            return
-        if before.connection != state.connection:
-            self._tell("connection", robot.name, f"is {state.connection}")
-        if before.estop != state.estop:
-            self._tell("e-stop", robot.name, "is held by an emergency stop" if state.estop else "is free again")
-        for fault in state.faults:
-            if fault not in before.faults:
-                self._tell("refusal" if " was refused" in fault else "fault", robot.name, fault)
-        if (before.connection, before.estop, before.motors, list(before.faults)) != (
-            state.connection,
-            state.estop,
-            state.motors,
-            list(state.faults),
-        ):
+        for kind, what in state_events(before, state):
+            self._tell(kind, robot.name, what)
+        if before is None or _standing_of(before) != _standing_of(state):
             self.changes += 1
 
     def _take_lease(self, robot: WatchedRobot, sample: Sample) -> None:  # on the bus's thread
@@ -229,13 +229,41 @@ class RobotWatch(Closeable):
     def _note_lease(self, robot: WatchedRobot, lease: dict[str, Any]) -> None:
         before, robot.lease = robot.lease, lease
         self.changes += 1
-        if before is None:
-            return
-        was, now = _holders(before), _holders(lease)
-        for place in sorted(was.keys() | now.keys()):
-            if was.get(place) != now.get(place):
-                who = f"{now[place]} has the lease on" if place in now else f"{was[place]} has no lease any more on"
-                self._tell("lease", robot.name, f"{who} the {place}")
+        for what in lease_events(before, lease):
+            self._tell("lease", robot.name, what)
+
+
+def state_events(before: Any, state: Any) -> Iterator[tuple[str, str]]:
+    """Yield what has happened between two RobotStates of a robot: kind of event, and words.
+
+    Args:
+        before: The earlier one; None if there was none, and then nothing has happened.
+        state: The later one.
+    """
+    if before is None:
+        return
+    if before.connection != state.connection:
+        yield "connection", f"is {state.connection}"
+    if before.estop != state.estop:
+        yield "e-stop", "is held by an emergency stop" if state.estop else "is free again"
+    for fault in state.faults:
+        if fault not in before.faults:
+            yield "refusal" if " was refused" in fault else "fault", fault
+
+
+def lease_events(before: Mapping[str, Any] | None, lease: Mapping[str, Any]) -> Iterator[str]:
+    """Yield in words what has changed between two states of a robot's leases; nothing if there was none before."""
+    if before is None:
+        return
+    was, now = _holders(before), _holders(lease)
+    for place in sorted(was.keys() | now.keys()):
+        if was.get(place) != now.get(place):
+            who = f"{now[place]} has the lease on" if place in now else f"{was[place]} has no lease any more on"
+            yield f"{who} the {place}"
+
+
+def _standing_of(state: Any) -> tuple[Any, ...]:
+    return state.connection, state.estop, state.motors, list(state.faults)
 
 
 def _holders(lease: Mapping[str, Any]) -> dict[str, str]:

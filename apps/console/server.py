@@ -1,8 +1,10 @@
 """Serves the console: bus, agent, websockets and pages in one event loop."""
 
 import socket
+import time
 from collections.abc import Callable
 from functools import partial
+from typing import TYPE_CHECKING
 
 from fastapi import FastAPI, WebSocket
 from nicegui import ui
@@ -17,6 +19,9 @@ from apps.web.agent import page_agent
 from apps.web.server import page_server, serve_pages
 from bus import Bus
 
+if TYPE_CHECKING:
+    from apps.console.replay import Replay  # of the extra `recorder`
+
 _LOOK = 5.0  # s between two looks at sessions whose time is over
 
 
@@ -28,6 +33,7 @@ async def serve(
     listener: socket.socket,
     host: str,
     on_ready: Callable[[], None],
+    replay: "Replay | None" = None,
 ) -> None:
     """Serve the console until the program is told to end.
 
@@ -39,10 +45,14 @@ async def serve(
         listener: The socket.
         host: As given by the user.
         on_ready: Called once the pages can be opened.
+        replay: The recording that is shown, on `bus`; None for a live team.
     """
     async with (
-        page_agent(bus, "console") as (agent, may_command),
-        Console(agent, settings, inputs, may_command=may_command) as console,
+        page_agent(bus, "console", replay.now if replay is not None else time.time, is_hidden=replay is not None) as (
+            agent,
+            may_command,
+        ),
+        Console(agent, settings, inputs, _look_only(replay, may_command), replay) as console,
     ):
         app = _application(console)
         if sessions is None:
@@ -52,6 +62,13 @@ async def serve(
             server = page_server(app, "Acromovi", host, lambda inner: PasswordGate(inner, sessions))
             agent.every(_LOOK, sessions.end_old)
         await serve_pages(server, listener, on_ready)
+
+
+def _look_only(replay: "Replay | None", may_command: bool) -> str:
+    """Return why nothing can be commanded; empty if it can."""
+    if replay is not None:
+        return "this is a recording: its robots and agents cannot be commanded"
+    return "" if may_command else "the role of this certificate permits looking only"
 
 
 def _application(console: Console) -> FastAPI:

@@ -11,6 +11,7 @@ from nicegui.element import Element
 from apps.console.health import standing
 from apps.console.page import ConsolePage
 from apps.console.program import Console
+from apps.console.replay_bar import ReplayBar
 from apps.console.visits import Visit
 from apps.web.access import COOKIE
 from apps.web.viewer import STYLE
@@ -61,7 +62,8 @@ def begin_page(console: Console, page: ConsolePage, pages: Sequence[ConsolePage]
             _theme_button(dark)
             if visit.session:
                 ui.button(icon="logout", on_click=lambda: _log_out()).props('flat round dense aria-label="Log out"')
-            StopButton()
+            if console.replay is None:
+                StopButton()
     with ui.element("nav").classes("c-nav").props('aria-label="Pages"'):
         for each in pages:
             if each.is_offered(console):
@@ -71,7 +73,9 @@ def begin_page(console: Console, page: ConsolePage, pages: Sequence[ConsolePage]
                     ui.label(each.title)
                 if is_here:
                     link.props('aria-current="page"')
-    with ui.element("main").classes("c-main").props('id="content" tabindex="-1"'):
+    if console.replay is not None:
+        ReplayBar(console, console.replay)
+    with ui.element("div").classes("c-main").props('id="content" tabindex="-1"'):
         page.build(console, visit)
 
 
@@ -142,7 +146,12 @@ def _theme_button(dark: ui.dark_mode) -> None:
 def _end_page(client: Client) -> None:
     """Show the page for the password, and take no more orders from this one."""
     client.run_javascript("location.assign('/login')")
-    asyncio.get_running_loop().call_later(_PARTING, client.delete)
+
+    def end() -> None:
+        if client.has_socket_connection:  # otherwise its browser has left, and NiceGUI deletes it
+            client.delete()
+
+    asyncio.get_running_loop().call_later(_PARTING, end)
 
 
 def _log_out() -> None:

@@ -29,11 +29,11 @@ class TimelineEvent:
 class Timeline:
     """The newest events. number: of events so far."""
 
-    def __init__(self, wall_time: Callable[[], float]) -> None:
-        """Begin empty. wall_time: s since 1970."""
+    def __init__(self, wall_time: Callable[[], float], most: int = _MOST) -> None:
+        """Begin empty. wall_time: s since 1970. most: events that are kept."""
         self.number = 0
         self._wall_time = wall_time
-        self._events: deque[TimelineEvent] = deque(maxlen=_MOST)
+        self._events: deque[TimelineEvent] = deque(maxlen=most)
 
     def tell(self, kind: str, about: str, what: str, at: float | None = None) -> None:
         """Note what has happened, now or at another time, s since 1970."""
@@ -51,11 +51,16 @@ class Timeline:
                     kind = "restart" if is_restart else "fault" if level != "ok" else "connection"
                     self.tell(kind, about, what, float(at))
 
-    def hear_mission(self, robot: str, message: Mapping[str, Any]) -> None:
-        """Note a message of a robot's navigation."""
+    def hear_mission(self, robot: str, message: Mapping[str, Any], at: float | None = None) -> None:
+        """Note a message of a robot's navigation, of now or another time, s since 1970."""
         match message:
             case {"mission": str(mission), "what": str(what)}:
-                self.tell("mission", robot, f"{mission}: {what}" if mission else what)
+                self.tell("mission", robot, f"{mission}: {what}" if mission else what, at)
+
+    @property
+    def events(self) -> list[TimelineEvent]:
+        """All that are kept, in the order of their times."""
+        return sorted(self._events, key=lambda event: (event.time, event.number))
 
     def newest(self, most: int, kinds: frozenset[str], about: str = "") -> list[TimelineEvent]:
         """Return the newest events of some kinds, the newest first.

@@ -24,7 +24,8 @@ class LeasesPanel:
         """Add it to the page."""
         self._console = console
         self._table = DataTable(("Element", "Holder", "Priority", "Expires in"), "nobody holds a lease")
-        ui.button("Record of the arbiter", on_click=self._read_record).props("outline dense no-caps")
+        record = ui.button("Record of the arbiter", on_click=self._read_record).props("outline dense no-caps")
+        record.set_enabled(console.may_command)
         self._words = ui.label().classes("c-quiet")
         self._record = DataTable(("Time", "Event", "Element", "Holder", "Priority", "More"), "no event")
         self._record.set_visibility(False)

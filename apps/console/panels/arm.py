@@ -35,7 +35,8 @@ class ArmPanel:
                     ("power", "Power on", {"on": True}),
                 ):
                     self._controls.append(self._button(name, words, arguments))
-                ui.button("Halt", on_click=lambda: visit.cancel_motions()).props("outline dense no-caps color=negative")
+                halt = ui.button("Halt", on_click=lambda: visit.cancel_motions())
+                halt.props("outline dense no-caps color=negative").set_enabled(console.may_command)
             with ui.element("div").classes("c-joints"):
                 for number, row in enumerate(self._joints, 1):
                     ui.label(f"Joint {number}")

@@ -59,14 +59,15 @@ class DrivePanel:
                     ui.label(words)
                     slider = ui.slider(min=_SLOWEST, max=round(top, 2), step=0.05, value=min(speeds[index], top))
                     slider.on_value_change(partial(self._choose, index))
+                    slider.set_enabled(console.may_command)
                     slider.props(f'aria-label="{words}, {unit}"')
                     ui.label().bind_text_from(slider, "value", partial("{1:.2f} {0}".format, unit))
 
     def refresh(self) -> None:
         """Show who drives."""
         console, robot = self._console, self._console.robots.robots[self._visit.robot]
-        if not console.may_command:
-            self._who.text = "The role of this certificate permits looking only."
+        if why := console.look_only:
+            self._who.text = f"{why[0].upper()}{why[1:]}."
             self._control.set_enabled(False)
             return
         drive = console.drive_of(robot.name)

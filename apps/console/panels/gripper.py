@@ -33,7 +33,8 @@ class GripperPanel:
                     )
                     for name, words in _MOTIONS
                 ]
-                ui.button("Halt", on_click=lambda: visit.cancel_motions()).props("outline dense no-caps color=negative")
+                halt = ui.button("Halt", on_click=lambda: visit.cancel_motions())
+                halt.props("outline dense no-caps color=negative").set_enabled(console.may_command)
 
     def refresh(self) -> None:
         """Show where it is."""

@@ -2,7 +2,7 @@
 
 from nicegui import ui
 
-from apps.console.page import panel
+from apps.console.page import disable_if_looking, panel
 from apps.console.program import Console
 from apps.console.visits import Visit
 from bus import keys
@@ -85,10 +85,11 @@ class PowerPanel:
         self._console, self._visit = console, visit
         rows = console.robots.robots[visit.robot].elements["power"].get("outputs")
         names = [str(row) for row in rows] if isinstance(rows, list) else []
-        with panel("Power outputs"), ui.row().classes("rv-row"):
+        with panel("Power outputs"), ui.row().classes("rv-row") as row:
             self._output = ui.select(names, label="Output", value=names[0] if names else None).classes("rv-name")
             for words, on in (("On", True), ("Off", False)):
                 ui.button(words, on_click=lambda on=on: self._switch(on)).props("outline dense no-caps")
+        disable_if_looking(console, row)
 
     def refresh(self) -> None:
         """Nothing is reported of them."""

@@ -2,7 +2,7 @@
 
 from nicegui import ui
 
-from apps.console.page import panel
+from apps.console.page import disable_if_looking, panel
 from apps.console.program import Console
 from apps.console.visits import Visit
 from bus import keys
@@ -19,13 +19,14 @@ class SoundPanel:
         self._console, self._visit = console, visit
         rows = console.robots.robots[visit.robot].elements["sound"].get("sounds")
         sounds = {row["number"]: str(row["name"]) for row in rows[:_MOST_SOUNDS]} if isinstance(rows, list) else {}
-        with panel("Sound"), ui.row().classes("rv-row"):
+        with panel("Sound"), ui.row().classes("rv-row") as row:
             for name, notes in _TUNES.items():
                 ui.button(name, on_click=lambda notes=notes: self._play(notes=notes)).props("outline dense no-caps")
             ui.button("Mute", on_click=lambda: self._play(on=False)).props("flat dense no-caps")
             if sounds:
                 chosen = ui.select(sounds, label="Sound", on_change=lambda event: self._play(number=event.value))
                 chosen.classes("rv-name")
+        disable_if_looking(console, row)
 
     def refresh(self) -> None:
         """Nothing is reported of sounds."""

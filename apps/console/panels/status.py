@@ -1,6 +1,5 @@
 """The panel of a robot's state: what it is, how it is, and who holds it."""
 
-import time
 from math import isfinite
 
 from nicegui import ui
@@ -24,7 +23,7 @@ class StatusPanel:
         with panel("State"):
             self._model = ui.label().classes("c-quiet")
             with ui.element("dl").classes("c-facts"):
-                for name in _facts(console.robots.robots[visit.robot]):
+                for name in _facts(console.robots.robots[visit.robot], console.robots.clock()):
                     with ui.element("dt"):
                         ui.label(name)
                     with ui.element("dd"):
@@ -41,7 +40,7 @@ class StatusPanel:
         """Show the newest readings."""
         robot = self._console.robots.robots[self._visit.robot]
         self._show_model(robot)
-        for name, words in _facts(robot).items():
+        for name, words in _facts(robot, self._console.robots.clock()).items():
             self._facts[name].text = words
         state = robot.state
         may = self._console.may_command and robot.is_connected
@@ -79,9 +78,9 @@ class StatusPanel:
         self._console.say(self._visit, f"{self._visit.robot}: {why or 'the e-stop is released, the motors are on'}")
 
 
-def _facts(robot: WatchedRobot) -> dict[str, str]:
-    """Return what is shown of a robot, in words."""
-    state, now = robot.state, time.monotonic()
+def _facts(robot: WatchedRobot, now: float) -> dict[str, str]:
+    """Return what is shown of a robot at a time, s, in words."""
+    state = robot.state
     odom = robot.newest(keys.ODOM)
     twist = odom.twist.twist if odom is not None else None
     holder = robot.holder()

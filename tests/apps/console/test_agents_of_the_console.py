@@ -236,15 +236,15 @@ class ViewersBus(MemoryBus):
 
 
 def test_the_role_on_the_bus_decides_what_a_page_may_do() -> None:
-    def why_not(bus: MemoryBus, may_command: bool) -> tuple[str, str]:
-        console: Any = SimpleNamespace(agent=SimpleNamespace(bus=bus), may_command=may_command)
+    def why_not(bus: MemoryBus, look_only: str) -> tuple[str, str]:
+        console: Any = SimpleNamespace(agent=SimpleNamespace(bus=bus), look_only=look_only)
         return why_not_control(console, HAPPY), why_not_ask(console, BASE)
 
     with MemoryBus() as bus, ViewersBus() as viewer:
-        assert why_not(bus, True) == ("", "")
-        assert why_not(bus, False) == ("the role of this certificate permits looking only",) * 2
-        assert why_not(viewer, True)[0] == "the role viewer does not permit happy/containers/happy/control"
-        assert why_not(viewer, True)[1] == "the role viewer does not permit happy/agents/base/acl"
+        assert why_not(bus, "") == ("", "")
+        assert why_not(bus, "this is a recording") == ("this is a recording",) * 2
+        assert why_not(viewer, "")[0] == "the role viewer does not permit happy/containers/happy/control"
+        assert why_not(viewer, "")[1] == "the role viewer does not permit happy/agents/base/acl"
 
 
 def test_a_container_that_answers_nonsense_is_left_out_and_its_token_tells_that_it_is_there() -> None:

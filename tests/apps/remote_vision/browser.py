@@ -30,6 +30,8 @@ WATCH = """() => {
 """Notes each image that is drawn: its place, number, stamp, and when it was drawn, s since 1970."""
 SMALL = {"width": 760, "height": 560}
 """Of the window, px: what is drawn is drawn by the processor."""
+CHEAPLY = ("--no-sandbox", "--disable-gpu", "--disable-software-rasterizer", "--force-prefers-reduced-motion")
+"""Options of Chromium; without a graphics process, drawing costs less where the processor draws in any case."""
 SHOWN = 0.5
 """Time to press a button that may no longer be there, s."""
 ENOUGH = "([since, place, count]) => window.drawn.slice(since).filter((each) => each.place === place).length >= count"
@@ -39,7 +41,7 @@ ENOUGH = "([since, place, count]) => window.drawn.slice(since).filter((each) => 
 def chromium() -> Iterator[Browser]:
     """A browser without a window."""
     with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
+        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=CHEAPLY)
         try:
             yield browser
         finally:

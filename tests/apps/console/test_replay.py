@@ -1,0 +1,111 @@
+"""A recording in the console without a browser: what happened in it, and what is shown after a jump."""
+
+import asyncio
+from collections.abc import Iterator
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+
+from apps.console.recorded_history import RecordedHistory
+from apps.console.replay import Replay
+from apps.console.robots import RobotWatch
+from bus import MemoryBus, MemoryNetwork, keys
+from bus.messages import NS_PER_S
+from recorder.recording import McapRecording
+from tests.apps.console.recordings import ESTOP_AT, GONE_AT, LEASE_AT, recorded_drive
+from tests.recorder.recordings import START
+
+
+@pytest.fixture
+def recording(tmp_path: Path) -> Iterator[McapRecording]:
+    with McapRecording.open([recorded_drive(tmp_path / "drive.mcap")]) as recording:
+        yield recording
+
+
+def test_the_history_has_events_at_their_times_and_paths_until_any_time(recording: McapRecording) -> None:
+    history = RecordedHistory.of(recording)
+    told = [(event.time - START / NS_PER_S, event.kind, event.about) for event in history.timeline.events]
+    assert told == [
+        (0.0, "connection", "happy"),
+        (0.0, "connection", "max"),
+        (LEASE_AT, "lease", "happy"),
+        (ESTOP_AT, "e-stop", "happy"),
+        (ESTOP_AT + 1.0, "e-stop", "happy"),
+        (GONE_AT, "connection", "max"),
+    ]
+    path = history.paths_until(START + 4 * NS_PER_S)["happy"]
+    assert path[0] == (0.0, 0.0)
+    assert path[-1] == pytest.approx((0.4, 0.2))
+    assert keys.STATE.key("happy") in history.slow
+    assert keys.ODOM.key("happy") not in history.slow
+
+
+def test_a_jump_shows_what_stood_there_and_a_paused_replay_holds_it(recording: McapRecording) -> None:
+    network = MemoryNetwork()
+
+    async def act() -> SimpleNamespace:
+        with MemoryBus(network) as shown, MemoryBus(network) as seen, Replay(recording, shown) as replay:
+            await replay.read_history()
+            with RobotWatch(seen, lambda *event: None, replay.now) as watch:
+                await replay.seek(3.5)
+                playing = asyncio.ensure_future(replay.run())
+                async with asyncio.timeout(5.0):
+                    while not all(name in watch.robots and watch.robots[name].description for name in ("happy", "max")):
+                        await asyncio.sleep(0.01)
+                happy = watch.robots["happy"]
+                max_is_there = watch.robots["max"].is_there
+                first = happy.is_stopped, happy.holder("base"), happy.pose
+                await replay.seek(7.0)
+                async with asyncio.timeout(5.0):
+                    while watch.robots["max"].is_there or happy.is_stopped:
+                        await asyncio.sleep(0.01)
+                playing.cancel()
+                return SimpleNamespace(max_is_there=max_is_there, first=first, pose=happy.pose, at=replay.elapsed)
+
+    found = asyncio.run(act())
+    assert found.max_is_there
+    assert found.first == (True, "anna@team", pytest.approx((0.35, 0.175, 0.0)))
+    assert found.pose == pytest.approx((0.7, 0.35, 0.0))
+    assert found.at == pytest.approx(7.0)
+
+
+def test_after_a_jump_the_sonar_has_the_newest_range_of_each_disc(recording: McapRecording) -> None:
+    heard: list[object] = []
+
+    async def act() -> None:
+        with MemoryBus() as bus, Replay(recording, bus) as replay:
+            bus.subscribe(keys.SONAR.key("happy"), lambda sample: heard.append(sample.decoded()))
+            await replay.seek(5.0)
+
+    asyncio.run(act())
+    (message,) = heard
+    assert sorted(round(row.range, 1) for row in message.ranges) == [4.7, 4.8, 4.9, 5.0]  # type: ignore[attr-defined]
+
+
+def test_a_replay_is_played_to_its_end_and_then_from_its_beginning(recording: McapRecording) -> None:
+    async def act() -> tuple[bool, bool, float]:
+        with MemoryBus() as bus, Replay(recording, bus) as replay:
+            replay.set_speed(16.0)
+            await replay.seek(7.5)
+            replay.play()
+            playing = asyncio.ensure_future(replay.run())
+            async with asyncio.timeout(5.0):
+                while not replay.is_paused:
+                    await asyncio.sleep(0.01)
+            ended, at = replay.is_paused, replay.elapsed
+            replay.play()
+            began_again = replay.elapsed < at
+            playing.cancel()
+            return ended, began_again, at
+
+    ended, began_again, at = asyncio.run(act())
+    assert ended
+    assert began_again
+    assert at == pytest.approx(recording.duration)
+    with MemoryBus() as bus, pytest.raises(ValueError, match="not offered"):
+        asyncio.run(_faster(recording, bus))
+
+
+async def _faster(recording: McapRecording, bus: MemoryBus) -> None:
+    Replay(recording, bus).set_speed(3.0)
