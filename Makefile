@@ -15,7 +15,7 @@ PYTEST  := $(BIN)/pytest -n $(WORKERS) --dist loadscope
 export MPLCONFIGDIR := $(CURDIR)/.cache/matplotlib
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: help demo install test tests test-quick format lint types bytecode docs pictures bench wheel clean
+.PHONY: help demo install test tests test-quick format lint types bytecode docs site pictures bench wheel clean
 
 help:  ## List the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "  make %-10s %s\n", $$1, $$2}'
@@ -27,7 +27,7 @@ $(DEMO): pyproject.toml constraints.txt
 $(READY): pyproject.toml constraints.txt
 	@VENV=$(VENV) $(PYTHON) tools/make_venv.py all
 
-install: $(READY)  ## Install everything: all extras and the development tools, about 980 MB
+install: $(READY)  ## Install everything: all extras and the development tools, about 1050 MB
 
 demo: $(DEMO)  ## Emulator, gateway and a drive round the office; ends by itself in about a minute
 	@$(BIN)/python -m acromovi demo
@@ -63,6 +63,9 @@ format: $(READY)  ## Format the code and mend what lint can mend
 docs: $(READY)  ## Write PROTOCOL.md from the packet tables, and docs/api.md and docs/api/ from the docstrings
 	$(BIN)/python -m acromovi.compliance > PROTOCOL.md
 	$(BIN)/python tools/api_pages.py
+
+site: $(READY)  ## Build the documentation site into build/site; warnings are errors
+	$(BIN)/python -m tools.site
 
 pictures: $(READY)  ## Make the pictures in docs/pictures anew
 	$(BIN)/python tools/make_pictures.py
