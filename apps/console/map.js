@@ -5,8 +5,8 @@ import { RequestLoop, drawn } from "acromovi/requests.js";
 
 const COLOURS = ["#3b82f6", "#e8892b", "#22a06b", "#c2459d", "#8b6cf0", "#c9a227", "#17a2b8", "#d9534f"];
 const THEMES = {
-  light: { ground: "#f7f9fb", grid: "#e6ebf0", wall: "#4a5663", thing: "#aab4bf", seen: "#5f6f80", ink: "#1d2733", paper: "#ffffff", door: "#0d8a78", free: "#ffffff", busy: "#4a5663" },
-  dark: { ground: "#161b21", grid: "#222a32", wall: "#a9b6c3", thing: "#4a5663", seen: "#8798aa", ink: "#e3e8ee", paper: "#1b2128", door: "#35c9b1", free: "#20272f", busy: "#a9b6c3" },
+  light: { ground: "#f7f9fb", grid: "#e6ebf0", wall: "#4a5663", thing: "#aab4bf", seen: "#5f6f80", ink: "#1d2733", paper: "#ffffff", door: "#0d8a78", goal: "#b0418d", warn: "#b06a00", free: "#ffffff", busy: "#4a5663" },
+  dark: { ground: "#161b21", grid: "#222a32", wall: "#a9b6c3", thing: "#4a5663", seen: "#8798aa", ink: "#e3e8ee", paper: "#1b2128", door: "#35c9b1", goal: "#e08bc6", warn: "#f0a83c", free: "#20272f", busy: "#a9b6c3" },
 };
 const HEADER = 40; // bytes of a record before its ranges
 const NOTHING = 0xffff;
@@ -44,7 +44,7 @@ export default {
     },
   },
   created() {
-    this.world = { floor: null, robots: [], trails: {}, poses: {}, missions: {}, seen: {}, grid: null };
+    this.world = { floor: null, robots: [], trails: {}, poses: {}, missions: {}, seen: {}, located: {}, goals: {}, grid: null };
     this.view = null; // x and y of the middle, m, and px for a m
     this.pointers = new Map();
     this.aim = null;
@@ -87,7 +87,7 @@ export default {
       this.lost = "";
       if (head.floor) this.world.floor = head.floor;
       if (head.robots) this.world.robots = head.robots;
-      if (head.missions) this.world.missions = head.missions;
+      for (const part of ["missions", "located", "goals"]) if (head[part]) this.world[part] = head[part];
       if (head.frames !== undefined) this.frames = head.frames;
       for (const [name, trail] of Object.entries(head.trails || {})) {
         this.world.trails[name] = trail.map((value) => value / 1000);
@@ -271,6 +271,8 @@ export default {
       const colours = new Map(this.world.robots.map((robot, index) => [robot.name, COLOURS[index % COLOURS.length]]));
       for (const robot of this.world.robots) this.drawReadings(pen, theme, robot, colours.get(robot.name));
       for (const robot of this.world.robots) this.drawMission(pen, theme, robot, colours.get(robot.name));
+      for (const robot of this.world.robots) this.drawLocated(pen, theme, robot, colours.get(robot.name));
+      this.drawGoals(pen, theme);
       for (const robot of this.world.robots) this.drawRobot(pen, theme, robot, colours.get(robot.name));
       if (this.aim) this.drawAim(pen, colours.get(this.chosen) || theme.ink);
       pen.setTransform(ratio, 0, 0, ratio, 0, 0);
@@ -299,6 +301,7 @@ export default {
         const robot = this.world.robots.find((each) => each.name === grid.robot);
         pen.save();
         if (grid.in_odom && robot) this.enter(pen, robot.place);
+        else if (this.world.located[grid.robot]) this.enter(pen, this.world.located[grid.robot].frame);
         this.enter(pen, grid.origin);
         pen.imageSmoothingEnabled = false;
         pen.scale(grid.resolution, -grid.resolution);
@@ -437,6 +440,62 @@ export default {
       if (mission.goal) this.drawGoal(pen, mission.goal);
       pen.restore();
     },
+    // The pose by the localization, with twice its deviations: an ellipse, and a wedge for the heading.
+    drawLocated(pen, theme, robot, colour) {
+      const located = this.world.located[robot.name];
+      if (!located?.pose || !located.deviations || !this.layers.includes("located")) return;
+      const [x, y, heading] = located.pose;
+      const [dx, dy, turn] = located.deviations.map((each) => 2 * each);
+      pen.save();
+      pen.translate(x, y);
+      pen.fillStyle = pen.strokeStyle = located.is_believed ? colour : theme.warn;
+      pen.lineWidth = 1.6 * this.px;
+      if (!located.is_believed) pen.setLineDash([5 * this.px, 4 * this.px]);
+      pen.save();
+      pen.rotate(located.frame[2]);
+      pen.beginPath();
+      pen.ellipse(0, 0, Math.max(dx, 3 * this.px), Math.max(dy, 3 * this.px), 0, 0, 2 * Math.PI);
+      pen.restore();
+      pen.globalAlpha = 0.18;
+      pen.fill();
+      pen.globalAlpha = 1;
+      pen.stroke();
+      const far = Math.max(0.7, 34 * this.px);
+      pen.globalAlpha = 0.3;
+      pen.beginPath();
+      pen.moveTo(0, 0);
+      pen.arc(0, 0, far, heading - Math.min(turn, Math.PI), heading + Math.min(turn, Math.PI));
+      pen.closePath();
+      pen.fill();
+      pen.restore();
+    },
+    goalsShown() {
+      const all = this.world.goals;
+      return all[this.chosen] || Object.values(all)[0] || [];
+    },
+    drawGoals(pen, theme) {
+      if (!this.layers.includes("goals")) return;
+      const size = 6 * this.px;
+      for (const { kind, pose } of this.goalsShown()) {
+        pen.save();
+        this.enter(pen, pose);
+        pen.fillStyle = kind.includes("Dock") ? theme.door : theme.goal;
+        pen.strokeStyle = theme.paper;
+        pen.lineWidth = 1.5 * this.px;
+        pen.beginPath();
+        if (kind.includes("Dock")) pen.rect(-size, -size, 2 * size, 2 * size);
+        else {
+          pen.moveTo(1.6 * size, 0);
+          pen.lineTo(0, size);
+          pen.lineTo(-size, 0);
+          pen.lineTo(0, -size);
+        }
+        pen.closePath();
+        pen.fill();
+        pen.stroke();
+        pen.restore();
+      }
+    },
     drawGoal(pen, [x, y, heading]) {
       const size = Math.max(0.12, 8 * this.px);
       pen.lineWidth = 2 * this.px;
@@ -510,6 +569,13 @@ export default {
         pen.fillStyle = theme.ink;
         pen.fillText(text, x, below);
       }
+      pen.font = "500 12px Roboto, sans-serif";
+      if (this.layers.includes("goals")) {
+        for (const { name, pose } of this.goalsShown()) {
+          const [x, y] = place(pose[0], pose[1]);
+          pen.fillText(name, x, y - 12);
+        }
+      }
       pen.font = "12px Roboto, sans-serif";
       pen.globalAlpha = 0.55;
       for (const [name, x, y] of this.world.floor?.places || []) pen.fillText(name, ...place(x / 1000, y / 1000));
@@ -544,6 +610,11 @@ export default {
         if (far < near && far < best) [found, best] = [robot.name, far];
       }
       return found;
+    },
+    goalAt(px, py) {
+      const [x, y] = this.toMetres(px, py);
+      const near = (goal) => Math.hypot(goal.pose[0] - x, goal.pose[1] - y) < NEAR_PX * this.px;
+      return (this.world.goals[this.chosen] || []).find(near)?.name;
     },
     onDown(event) {
       if (event.button !== 0 || !this.view) return;
@@ -581,8 +652,10 @@ export default {
       this.pointers.delete(event.pointerId);
       if (!pointer) return;
       if (this.aim) {
-        const [kind, aim] = [this.mode === "place" ? "place" : "goal", this.aim];
-        this.$emit(kind, { robot: this.chosen, ...aim });
+        const [kind, aim] = [this.mode === "send" ? "goal" : this.mode, this.aim];
+        const name = kind === "goal" && aim.heading === null && this.goalAt(event.clientX, event.clientY);
+        if (name) this.$emit("named", { robot: this.chosen, name });
+        else this.$emit(kind, { robot: this.chosen, ...aim });
         this.aim = null;
       } else if (!pointer.dragged && !this.pointers.size) {
         this.$emit("choose", { robot: this.robotAt(event.clientX, event.clientY) });

@@ -5,14 +5,15 @@ from nicegui.element import Element
 from apps.console.visits import Visit
 from apps.web.viewer import SHARED
 
-LAYERS = ("walls", "seen", "sonar", "laser", "trails", "missions", "names")
+LAYERS = ("walls", "seen", "sonar", "laser", "trails", "missions", "located", "goals", "names")
 
 
 class MapCanvas(Element, component="map.js", esm=SHARED):
     """A map of the team.
 
     Events: `choose` {robot}, empty for none; `goal` {robot, x, y, heading}, on the map, m and rad, heading null for
-    any; in mode `place`, `place` {robot, x, y, heading} likewise.
+    any; in the modes `place` and `relocate`, `place` and `relocate` {robot, x, y, heading} likewise. In mode `send` a
+    click on a named goal of the chosen robot's map is `named` {robot, name}.
     """
 
     def __init__(self, visit: Visit, chosen: str = "", mode: str = "look") -> None:
@@ -21,7 +22,8 @@ class MapCanvas(Element, component="map.js", esm=SHARED):
         Args:
             visit: The page.
             chosen: Robot that is chosen at first.
-            mode: What the pointer does: `look` chooses robots and moves the map; `send`, `place` give a pose as well.
+            mode: What the pointer does: `look` chooses robots and moves the map; `send`, `place` and `relocate` give a
+                pose as well.
         """
         super().__init__()
         self._props["path"] = f"/map/{visit.ticket}"

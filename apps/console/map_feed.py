@@ -20,6 +20,7 @@ from agents.platform import Agent, Directory
 from apps.console.emulator import EmulatorControl
 from apps.console.floor import FloorPlan
 from apps.console.health import standing
+from apps.console.locating import BUILT, LOCALIZATION, LocatingWatch, named_goals
 from apps.console.map_layers import (
     SeenCells,
     SonarPicture,
@@ -42,6 +43,7 @@ from geometry import Pose2D
 _SLOW = 0.5  # s between two looks at what changes seldom
 _NAVIGATION = "user_interface"
 _MOST_GRID = 4_000_000  # cells of a grid that is sent
+_GRID_OLD = 15.0  # s after which a grid makes way for that of another robot
 
 
 @dataclass(slots=True)
@@ -57,7 +59,7 @@ class _Sent:
 class MapFeed:
     """The map of the team, for all browsers.
 
-    places: of the robots' frames. missions: what is drawn of navigations, by robot.
+    places: of the robots' frames. missions: what is drawn of navigations, by robot. locating: of their localizations.
     """
 
     def __init__(
@@ -97,7 +99,9 @@ class MapFeed:
         self._sonar: dict[str, tuple[int, SonarPicture]] = {}
         self._cells: dict[str, SeenCells] = {}
         self._cells_of: dict[str, int] = {}  # number of the scan that was last added
-        self._grid: tuple[str, Sample] | None = None
+        self._grid_of, self._grid_at = "", 0.0  # robot whose grid is shown, and when the newest one came
+        self._goals: dict[str, tuple[str, Any]] = {}  # by robot: its map, and the goals of that
+        self.locating = LocatingWatch(agent.bus, robots, places)
         self._grid_body = b""
         self._parts["floor"] = 1, {**floor.to_json(), "cell": settings.cell_m}
         loop = asyncio.get_running_loop()
@@ -123,6 +127,7 @@ class MapFeed:
                     looking = asyncio.ensure_future(self._step(self._ask_navigations))
         finally:
             self._subscription.close()
+            self.locating.close()
 
     async def serve(self, browser: WebSocket, is_open: Callable[[], bool]) -> None:
         """Answer the requests of one browser until it ends.
@@ -244,11 +249,14 @@ class MapFeed:
         robots = self._robots.robots
         if self._emulator is not None:
             await self.places.ask(self._emulator, robots)
+        self.locating.look()
         layout = [
             robot_layout(robots[name], self.places.of(name), standing(robots[name])) for name in self._robots.names
         ]
         is_new = self._note("robots", layout)
         is_new |= self._note("frames", self.places.words(robots))
+        is_new |= self._note("located", self.locating.located)
+        is_new |= self._note("goals", self.goals)
         if not self._floor.is_known:
             for robot in robots.values():
                 self._add_cells(robot)
@@ -281,6 +289,7 @@ class MapFeed:
         answers = await asyncio.gather(
             *(self._agent.request(f"{_NAVIGATION}@{robot}", "picture", reply_within=1.5) for robot in sorted(known))
         )
+        await self._ask_goals()
         missions = {
             robot: mission_layout(answer.result)
             for robot, answer in zip(sorted(known), answers, strict=True)
@@ -289,6 +298,24 @@ class MapFeed:
         self.missions = missions
         if self._note("missions", missions):
             self._tell()
+
+    async def _ask_goals(self) -> None:
+        """Ask for the goals of maps on which robots are localized, once for each map."""
+        for robot in self.locating.located:
+            file = self.locating.map_name(robot)
+            if self._goals.get(robot, ("",))[0] != file and file != BUILT:
+                answer = await self._agent.request(f"{LOCALIZATION}@{robot}", "goals", reply_within=1.5)
+                if answer.is_done:
+                    self._goals[robot] = file, answer.result
+
+    @property
+    def goals(self) -> dict[str, list[dict[str, Any]]]:
+        """The named goals of the maps on which robots are localized, by robot."""
+        return {
+            robot: named_goals(told, self.places.map_of(robot))
+            for robot, (file, told) in self._goals.items()
+            if file == self.locating.map_name(robot)
+        }
 
     def _hear_grid(self, sample: Sample) -> None:
         """Take an OccupancyGrid; the newest one is shown."""
@@ -309,6 +336,10 @@ class MapFeed:
             return
         if shape["width"] * shape["height"] != data.size or data.size > _MOST_GRID or not shape["resolution"] > 0.0:
             return
+        robot, now = shape["robot"], time.monotonic()
+        if robot != self._grid_of and now - self._grid_at < _GRID_OLD and not self.locating.is_building(robot):
+            return  # two maps in turns would flicker; one that is being built is shown in any case
+        self._grid_of, self._grid_at = robot, now
         self._grid_body = zlib.compress(data.tobytes(), 3)
         version, _ = self._parts.get("grid", (0, None))
         self._parts["grid"] = version + 1, {**shape, "bytes": len(self._grid_body)}

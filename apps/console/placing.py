@@ -2,7 +2,8 @@
 
 The origin of `<robot>/odom` is where the robot stood when its gateway first connected, so the frames of two robots have
 nothing to do with each other. They are placed by the emulator, which knows where its robots are, or else by the starts
-in the team's file.
+in the team's file. A robot that is localized, or that builds a map, is shown where that puts it; the frame `map` is
+placed once, by where the robot is then.
 """
 
 from collections.abc import Mapping
@@ -20,18 +21,53 @@ class FramePlaces:
         self.changes = 0
         self._by_file = {robot: Pose2D(*start) for robot, start in starts.items()}
         self._by_emulator: dict[str, tuple[str, Pose2D]] = {}  # identity of the gateway for which it holds, and place
+        self._maps: dict[str, tuple[str, Pose2D]] = {}  # by robot: its map, and the place of that on this one
+        self._in_map: dict[str, Pose2D] = {}  # frame odom in the frame of that map
 
     def of(self, robot: str) -> Pose2D | None:
         """Return the place of a robot's frame odom on the map; None if it is not known."""
+        if robot in self._in_map:
+            return self._maps[robot][1].compose(self._in_map[robot])
+        return self._of_start(robot)
+
+    def map_of(self, robot: str) -> Pose2D:
+        """Return the place of the frame `map` of a robot; the origin if nothing else is known."""
+        return self._maps[robot][1] if robot in self._maps else Pose2D()
+
+    def locate(self, robot: str, name: str, odom_in_map: Pose2D | None) -> None:
+        """Note where a robot's frame odom is in the frame of its map.
+
+        Args:
+            robot: Which.
+            name: Of its map.
+            odom_in_map: None if it is not to be believed; then the latest one stays.
+        """
+        if odom_in_map is None:
+            return
+        if self._maps.get(robot, ("",))[0] != name:
+            begun = self._of_start(robot)
+            place = begun.compose(Pose2D().relative_to(odom_in_map)) if begun is not None else Pose2D()
+            self._maps[robot] = name, place
+        self._in_map[robot] = odom_in_map
+
+    def forget(self, robot: str) -> None:
+        """Show a robot by its odometry again, since it is not localized any more."""
+        self._in_map.pop(robot, None)
+
+    def _of_start(self, robot: str) -> Pose2D | None:
         found = self._by_emulator.get(robot)
         return found[1] if found is not None else self._by_file.get(robot)
 
     def words(self, robots: Mapping[str, WatchedRobot]) -> str:
         """Return how the robots are placed, a sentence for people."""
         there = [name for name, robot in robots.items() if robot.is_there]
+        located = [name for name in there if name in self._in_map]
         unknown = [name for name in there if self.of(name) is None]
         if not there:
             return "No robot is on the bus yet; the map shows robots as they come."
+        if located and not unknown:
+            verb = "is" if len(located) == 1 else "are"
+            return f"{' and '.join(located)} {verb} shown where the map puts {'it' if verb == 'is' else 'them'}."
         if not unknown:
             how = "the emulator says" if all(name in self._by_emulator for name in there) else "the team's file says"
             return f"Robots are placed where {how} that they began."

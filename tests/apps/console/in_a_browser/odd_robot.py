@@ -1,4 +1,4 @@
-"""A robot on the bus whose name, faults and missions would do harm as HTML, with a navigation that notes its goals."""
+"""A robot on the bus whose words would do harm as HTML, with agents that note what they are told."""
 
 import asyncio
 import threading
@@ -25,6 +25,7 @@ from bus.ros_msgs import (
 
 NAME = "<img-src=x-onerror=pwned()>"
 WORDS = "<img src=x onerror='window.pwned=1'><script>window.pwned=1</script>"
+MAP = 1.0, 0.5  # m; the frame odom in the frame map
 X, HEADING = 2.0, 1.5708  # m and rad, in odom; y is 0
 
 
@@ -52,32 +53,59 @@ class NotingNavigation(Agent):
         return {"mission": WORDS, "state": "active", "why": WORDS, "doors": [WORDS]}
 
 
+class NotingLocalization(Agent):
+    """A localization that notes where it is told to begin again; its frame map is `MAP` in odom."""
+
+    def __init__(self, robot: str) -> None:
+        super().__init__(AgentName("localization", robot))
+        self.poses: list[tuple[float, float, float]] = []
+        self.answer("set_pose", self.set_pose)
+        self.answer("goals", self.goals)
+        self.answer("goal", self.goal)
+
+    async def set_pose(self, x: float, y: float, heading: float = 0.0) -> None:
+        """Note a pose in the map: m and rad."""
+        self.poses.append((x, y, heading))
+
+    async def goals(self) -> list[dict[str, object]]:
+        """Return a goal of hostile words."""
+        return [{"name": WORDS, "kind": "Goal", "pose": [5.0, 2.0, 0.0]}]
+
+    async def goal(self, place: str) -> dict[str, object]:
+        """Return the goal in odom."""
+        return {"x": 5.0 - MAP[0], "y": 2.0 - MAP[1], "heading": None, "name": place}
+
+
 @contextmanager
-def odd_robot(profile: str) -> Iterator[NotingNavigation]:
-    """Have the robot on a bus during a block; gives its navigation."""
-    navigation, is_over = NotingNavigation(NAME), threading.Event()
-    thread = threading.Thread(target=lambda: asyncio.run(_live(profile, navigation, is_over)))
+def odd_robot(profile: str) -> Iterator[tuple[NotingNavigation, NotingLocalization]]:
+    """Have the robot on a bus during a block; gives its navigation and its localization."""
+    agents, is_over = (NotingNavigation(NAME), NotingLocalization(NAME)), threading.Event()
+    thread = threading.Thread(target=lambda: asyncio.run(_live(profile, agents, is_over)))
     thread.start()
     try:
-        yield navigation
+        yield agents
     finally:
         is_over.set()
         thread.join()
 
 
-async def _live(profile: str, navigation: NotingNavigation, is_over: threading.Event) -> None:
+async def _live(profile: str, agents: tuple[Agent, ...], is_over: threading.Event) -> None:
     with ZenohBus.open(profile) as bus:
         bus.serve(keys.DESCRIPTION.key(NAME), lambda arguments: {"model": WORDS, "elements": [{"name": WORDS}]})
         bus.serve(keys.LEASE_STATE.key(NAME), lambda arguments: {"holder": WORDS, "elements": {}})
         bus.declare_alive(keys.ALIVE.key(NAME))
         async with Container(bus, "odd") as container:
-            await container.start(navigation)
+            for agent in agents:
+                await container.start(agent)
             while not is_over.is_set():
                 stamp = header(int(time.time() * NS_PER_S), "odom")
                 bus.put(keys.STATE.key(NAME), RobotState(stamp, "connected", True, False, False, 0, [WORDS]))
                 bus.put(keys.ODOM.key(NAME), _odometry(stamp))
                 event = {"time": time.time(), "what": f"{WORDS} has failed", "about": f"{WORDS}@x", "level": "error"}
                 bus.put("x/agents/monitor/results", event)
+                located = {"state": "localized", "reason": WORDS, "map": WORDS, "odom_in_map": [*MAP, 0.0]}
+                pose = {"pose": [MAP[0] + X, MAP[1], HEADING], "deviations": [0.1, 0.2, 0.05]}
+                bus.put(f"{NAME}/agents/localization/results", {**located, **pose})
                 await asyncio.sleep(0.1)
 
 

@@ -3,7 +3,7 @@
 import pytest
 
 from tests.apps.console.in_a_browser.browsing import ConsoleTab, WatchedTeam, ask, choose
-from tests.apps.console.in_a_browser.odd_robot import NAME, X, odd_robot
+from tests.apps.console.in_a_browser.odd_robot import MAP, NAME, X, odd_robot
 from tests.apps.remote_vision.browser import needs_chromium
 from tests.waiting import wait_until
 
@@ -15,26 +15,44 @@ def click(tab: ConsoleTab, x: float, y: float) -> None:
     tab.page.mouse.click(*tab.page.evaluate("([x, y]) => document.querySelector('.c-map').toScreen(x, y)", [x, y]))
 
 
+def drag(tab: ConsoleTab, start: tuple[float, float], to: tuple[float, float]) -> None:
+    """Drag from one place of the map to another, m."""
+    place = "([x, y]) => document.querySelector('.c-map').toScreen(x, y)"
+    tab.page.mouse.move(*tab.page.evaluate(place, start))
+    tab.page.mouse.down()
+    tab.page.mouse.move(*tab.page.evaluate(place, to), steps=4)
+    tab.page.mouse.up()
+
+
 def test_hostile_words_are_shown_as_text_and_such_a_robot_is_sent_by_a_click_and_queried(
     team: WatchedTeam, tab: ConsoleTab
 ) -> None:
-    with odd_robot(team.running.profile) as navigation:
+    with odd_robot(team.running.profile) as (navigation, localization):
         tab.go("/")
         tab.page.locator(".c-chip", has_text=NAME).wait_for()
 
         def is_chosen() -> bool:
-            click(tab, X, 0.0)
+            click(tab, MAP[0] + X, MAP[1])
             tab.page.wait_for_timeout(300)
             return bool(tab.page.get_by_role("status").get_by_text(f"{NAME}: ").count())
 
         tab.wait(is_chosen, "it is chosen")
-        tab.sees(f"{NAME} is shown in a frame of its own")
+        tab.sees(f"{NAME}: localized, ±0.40 m, ±6°")
         tab.page.get_by_role("switch", name="Send by a click").click()
         tab.page.wait_for_function("document.querySelector('.c-map canvas.c-aim')")
         click(tab, 4.5, 1.0)
         wait_until(lambda: navigation.goals, "the goal has come")
         (goal,) = navigation.goals
-        assert goal == {"x": pytest.approx(4.5, abs=0.05), "y": pytest.approx(1.0, abs=0.05), "heading": None}
+        on_map = {"x": 4.5 - MAP[0], "y": 1.0 - MAP[1]}
+        assert goal == {**{name: pytest.approx(value, abs=0.05) for name, value in on_map.items()}, "heading": None}
+        click(tab, 5.0, 2.0)  # the goal of the map
+        wait_until(lambda: len(navigation.goals) == 2, "the named goal has come")
+        assert navigation.goals[1] == {"x": 5.0 - MAP[0], "y": 2.0 - MAP[1], "heading": None}
+        tab.page.get_by_role("switch", name="Relocalize by a click").click()
+        tab.page.wait_for_timeout(300)  # ms, until the page's mode has come
+        drag(tab, (6.0, 1.0), (6.0, 3.0))
+        wait_until(lambda: localization.poses, "the pose has come")
+        assert localization.poses == [pytest.approx((6.0, 1.0, 1.5708), abs=0.06)]
         for path in ("/timeline", "/robot/" + NAME.replace("<", "%3C").replace(">", "%3E")):
             tab.go(path)
             tab.sees("<script>window.pwned=1</script>")
