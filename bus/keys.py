@@ -114,6 +114,13 @@ TF = Topic.stream(
 )
 TF_STATIC = Topic.stream("tf_static", "tf2_msgs/msg/TFMessage", "1 Hz", "Where the sensors are on the robot")
 MAP = Topic.stream("map", "nav_msgs/msg/OccupancyGrid", "on change", "Map of the building, in the frame map")
+OVERLAY = Topic.stream(
+    "overlay/*",
+    JSON,
+    "2 Hz while it runs",
+    "What an application shows of the robot on maps; * is its name: "
+    '{"frame": "base_link", "words": "0.8 m behind", "points": [[x, y]], "lines": [[x1, y1, x2, y2]]}',
+)
 DIAGNOSTICS = Topic.stream(
     "diagnostics", "diagnostic_msgs/msg/DiagnosticArray", "1 Hz", "Counters and health of robot, cable and gateway"
 )

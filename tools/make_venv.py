@@ -38,7 +38,7 @@ class Install:
 
 INSTALLS = {
     "demo": Install("the emulator, the gateway and the agents", ("-e", ".[emu,plots]"), 165, 415),
-    "all": Install("all extras and the development tools", ("--group", "dev", "-e", ".[all]"), 350, 1050),
+    "all": Install("all extras and the development tools", ("--group", "dev", "-e", ".[all]"), 360, 1090),
 }
 
 

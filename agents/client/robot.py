@@ -1,5 +1,9 @@
 """The client of one robot: its name and its elements."""
 
+import math
+import time
+from collections.abc import Iterable
+from contextlib import suppress
 from typing import TypeVar, cast
 
 from agents.client.discovery import Discovery
@@ -21,6 +25,8 @@ from agents.client.sensors import (
     SoundClient,
 )
 from agents.platform import AgentName, NameNotValid
+from bus import BusError, keys
+from geometry import Point
 
 ELEMENTS: dict[str, type[ElementClient[Reading]]] = {
     name: cast(type[ElementClient[Reading]], kind)
@@ -42,6 +48,7 @@ ELEMENTS: dict[str, type[ElementClient[Reading]]] = {
     }.items()
 }
 
+_SHOWN_EVERY = 0.5  # s
 E = TypeVar("E", bound=ElementClient)  # type: ignore[type-arg]  # whatever it reads
 
 
@@ -56,6 +63,7 @@ class Robot:
         self._thread = thread
         self._discovery = discovery
         self._elements: dict[str, ElementClient[Reading]] = {}
+        self._shown: dict[str, float] = {}  # when, by application
 
     @property
     def elements(self) -> list[str]:
@@ -80,6 +88,40 @@ class Robot:
             self._thread.call(self._discovery.element(agent))
             self._elements[name] = ELEMENTS.get(name, ElementClient)(self._thread, agent)
         return self._elements[name]
+
+    def show(
+        self,
+        application: str,
+        words: str = "",
+        *,
+        points: Iterable[Point] = (),
+        lines: Iterable[tuple[Point, Point]] = (),
+        frame: str = "base_link",
+    ) -> None:
+        """Show what an application does with the robot, on maps such as that of the console.
+
+        It is published on `<robot>/overlay/<application>`, twice a second at most; what comes sooner is left out. A bus
+        that does not let the program publish there shows nothing.
+
+        Args:
+            application: Its name.
+            words: What it does, in a few words.
+            points: x and y, m.
+            lines: Ends of each, m.
+            frame: Of the points and lines, `base_link` or `odom`.
+        """
+        now = time.monotonic()
+        if now - self._shown.get(application, -math.inf) < _SHOWN_EVERY:
+            return
+        self._shown[application] = now
+        overlay = {
+            "frame": frame,
+            "words": words,
+            "points": [[round(x, 3), round(y, 3)] for x, y in points],
+            "lines": [[round(value, 3) for end in line for value in end] for line in lines],
+        }
+        with suppress(BusError):
+            self._thread.agent.bus.put(keys.OVERLAY.key(self.name, application), overlay)
 
     def stop(self) -> None:
         """Stop the robot."""

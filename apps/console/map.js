@@ -44,7 +44,7 @@ export default {
     },
   },
   created() {
-    this.world = { floor: null, robots: [], trails: {}, poses: {}, missions: {}, seen: {}, located: {}, goals: {}, grid: null };
+    this.world = { floor: null, robots: [], trails: {}, poses: {}, missions: {}, seen: {}, located: {}, goals: {}, overlays: [], grid: null };
     this.view = null; // x and y of the middle, m, and px for a m
     this.pointers = new Map();
     this.aim = null;
@@ -87,7 +87,7 @@ export default {
       this.lost = "";
       if (head.floor) this.world.floor = head.floor;
       if (head.robots) this.world.robots = head.robots;
-      for (const part of ["missions", "located", "goals"]) if (head[part]) this.world[part] = head[part];
+      for (const part of ["missions", "located", "goals", "overlays"]) if (head[part]) this.world[part] = head[part];
       if (head.frames !== undefined) this.frames = head.frames;
       for (const [name, trail] of Object.entries(head.trails || {})) {
         this.world.trails[name] = trail.map((value) => value / 1000);
@@ -273,6 +273,7 @@ export default {
       for (const robot of this.world.robots) this.drawMission(pen, theme, robot, colours.get(robot.name));
       for (const robot of this.world.robots) this.drawLocated(pen, theme, robot, colours.get(robot.name));
       this.drawGoals(pen, theme);
+      for (const robot of this.world.robots) this.drawOverlays(pen, robot, colours.get(robot.name));
       for (const robot of this.world.robots) this.drawRobot(pen, theme, robot, colours.get(robot.name));
       if (this.aim) this.drawAim(pen, colours.get(this.chosen) || theme.ink);
       pen.setTransform(ratio, 0, 0, ratio, 0, 0);
@@ -469,6 +470,35 @@ export default {
       pen.fill();
       pen.restore();
     },
+    overlaysOf(robot) {
+      return this.layers.includes("overlays") ? this.world.overlays.filter((each) => each.robot === robot.name) : [];
+    },
+    // What applications show: lines that end in a point, in the frame that they name.
+    drawOverlays(pen, robot, colour) {
+      const pose = this.poseOnMap(robot);
+      if (!pose) return;
+      for (const { frame, points, lines } of this.overlaysOf(robot)) {
+        pen.save();
+        this.enter(pen, frame === "odom" ? robot.place : [pose.x, pose.y, pose.heading]);
+        pen.strokeStyle = pen.fillStyle = colour;
+        pen.lineWidth = 2 * this.px;
+        pen.setLineDash([3 * this.px, 4 * this.px]);
+        pen.beginPath();
+        for (const [x1, y1, x2, y2] of lines) {
+          pen.moveTo(x1, y1);
+          pen.lineTo(x2, y2);
+        }
+        pen.stroke();
+        pen.setLineDash([]);
+        pen.beginPath();
+        for (const [x, y] of points) {
+          pen.moveTo(x + 7 * this.px, y);
+          pen.arc(x, y, 7 * this.px, 0, 2 * Math.PI);
+        }
+        pen.stroke();
+        pen.restore();
+      }
+    },
     goalsShown() {
       const all = this.world.goals;
       return all[this.chosen] || Object.values(all)[0] || [];
@@ -559,15 +589,10 @@ export default {
         const [x, y] = place(pose.x, pose.y);
         const text = robot.level === "ok" ? robot.name : `${robot.name} · ${robot.words}`;
         const below = y + Math.max(robot.rear, robot.front, robot.width) * this.view.scale + 14;
-        const half = pen.measureText(text).width / 2 + 5;
-        pen.globalAlpha = 0.82;
-        pen.fillStyle = theme.paper;
-        pen.beginPath();
-        pen.roundRect(x - half, below - 12, 2 * half, 17, 4);
-        pen.fill();
-        pen.globalAlpha = 1;
-        pen.fillStyle = theme.ink;
-        pen.fillText(text, x, below);
+        this.drawLabel(pen, theme, text, x, below);
+        pen.font = "12px Roboto, sans-serif";
+        this.overlaysOf(robot).forEach(({ words }, index) => this.drawLabel(pen, theme, words, x, below + 17 * (index + 1)));
+        pen.font = "600 12px Roboto, sans-serif";
       }
       pen.font = "500 12px Roboto, sans-serif";
       if (this.layers.includes("goals")) {
@@ -580,6 +605,17 @@ export default {
       pen.globalAlpha = 0.55;
       for (const [name, x, y] of this.world.floor?.places || []) pen.fillText(name, ...place(x / 1000, y / 1000));
       pen.globalAlpha = 1;
+    },
+    drawLabel(pen, theme, text, x, y) {
+      const half = pen.measureText(text).width / 2 + 5;
+      pen.globalAlpha = 0.82;
+      pen.fillStyle = theme.paper;
+      pen.beginPath();
+      pen.roundRect(x - half, y - 12, 2 * half, 17, 4);
+      pen.fill();
+      pen.globalAlpha = 1;
+      pen.fillStyle = theme.ink;
+      pen.fillText(text, x, y);
     },
     drawScale(pen, theme, width, height) {
       const step = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50].find((each) => each * this.view.scale > 50) || 100;

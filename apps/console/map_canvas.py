@@ -5,7 +5,7 @@ from nicegui.element import Element
 from apps.console.visits import Visit
 from apps.web.viewer import SHARED
 
-LAYERS = ("walls", "seen", "sonar", "laser", "trails", "missions", "located", "goals", "names")
+LAYERS = ("walls", "seen", "sonar", "laser", "trails", "missions", "located", "goals", "overlays", "names")
 
 
 class MapCanvas(Element, component="map.js", esm=SHARED):

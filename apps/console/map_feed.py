@@ -31,6 +31,7 @@ from apps.console.map_layers import (
     robot_layout,
     robot_record,
 )
+from apps.console.overlays import OverlayWatch
 from apps.console.placing import FramePlaces
 from apps.console.robots import RobotWatch, WatchedRobot
 from apps.console.settings import MapSettings
@@ -102,6 +103,7 @@ class MapFeed:
         self._grid_of, self._grid_at = "", 0.0  # robot whose grid is shown, and when the newest one came
         self._goals: dict[str, tuple[str, Any]] = {}  # by robot: its map, and the goals of that
         self.locating = LocatingWatch(agent.bus, robots, places)
+        self._overlays = OverlayWatch(agent.bus, robots.clock)
         self._grid_body = b""
         self._parts["floor"] = 1, {**floor.to_json(), "cell": settings.cell_m}
         loop = asyncio.get_running_loop()
@@ -128,6 +130,7 @@ class MapFeed:
         finally:
             self._subscription.close()
             self.locating.close()
+            self._overlays.close()
 
     async def serve(self, browser: WebSocket, is_open: Callable[[], bool]) -> None:
         """Answer the requests of one browser until it ends.
@@ -257,6 +260,7 @@ class MapFeed:
         is_new |= self._note("frames", self.places.words(robots))
         is_new |= self._note("located", self.locating.located)
         is_new |= self._note("goals", self.goals)
+        is_new |= self._note("overlays", self._overlays.overlays)
         if not self._floor.is_known:
             for robot in robots.values():
                 self._add_cells(robot)

@@ -27,6 +27,7 @@ _LABELS = {
     "missions": "Goals, plans and doors",
     "located": "Localization",
     "goals": "Goals of the map",
+    "overlays": "Applications",
     "names": "Names",
 }
 

@@ -109,7 +109,7 @@ def main(
     else:
         source = SharedPoses(robots, read_starts(starts, names), tuned.period_s)
     try:
-        _keep(team, formation, source, record, Follower(waypoints) if waypoints else None)
+        _keep(team, robots, formation, source, record, Follower(waypoints) if waypoints else None)
         for each in robots:
             if waypoints or each.name != leader:
                 each.base.stop()
@@ -136,7 +136,14 @@ def status() -> dict[str, Any]:
     return {**formation.status, "errors": {} if orders is None else dict(orders.errors)}
 
 
-def _keep(team: Team, formation: Formation, poses: _Robots, record: FormationRecord, course: Follower | None) -> None:
+def _keep(
+    team: Team,
+    robots: Sequence[Robot],
+    formation: Formation,
+    poses: _Robots,
+    record: FormationRecord,
+    course: Follower | None,
+) -> None:
     """Drive the followers until the program is to end, or the leader's last waypoint has been passed."""
     settings = formation.settings
     corrected = PoseFilter(settings.poses)
@@ -163,6 +170,8 @@ def _keep(team: Team, formation: Formation, poses: _Robots, record: FormationRec
             name: (at.x, at.y) if (at := orders.points.get(name)) else None for name in formation.members.followers
         }
         record.add(now, places, points)
+        for robot in robots:
+            _show(robot, formation, orders, places.get(robot.name))
         if now >= next_report:
             next_report += settings.report_s
             _tell(record, now, _progress(formation, orders))
@@ -171,6 +180,17 @@ def _keep(team: Team, formation: Formation, poses: _Robots, record: FormationRec
             poses.drive(formation.leader, _led(course, pose, formation, orders))
             if now - arrived > SETTLE:
                 return
+
+
+def _show(robot: Robot, formation: Formation, orders: FormationOrders, pose: Pose2D | None) -> None:
+    """Show on maps where a follower has its point, and how far that is."""
+    at = orders.points.get(robot.name)
+    if robot.name == formation.leader:
+        robot.show("formation", f"leads a {formation.shape}")
+    elif at is not None and pose is not None:
+        point = at.relative_to(pose)
+        words = f"{formation.shape}: {orders.errors.get(robot.name, 0.0):.2f} m off"
+        robot.show("formation", words, points=[(point.x, point.y)], lines=[((0.0, 0.0), (point.x, point.y))])
 
 
 def _led(course: Follower, pose: Pose2D, formation: Formation, orders: FormationOrders) -> Twist2D:

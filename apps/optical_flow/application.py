@@ -19,12 +19,14 @@ from apps.optical_flow.record import FlowRecord
 from apps.optical_flow.settings import FlowSettings
 from apps.optical_flow.wanderer import Wanderer, WanderOrders
 from configs.extras import ExtraMissing, require
+from geometry import Point
 
 if TYPE_CHECKING:
     from apps.optical_flow.page import FlowPage  # it needs an extra
 
 SERVICES = ("optical-flow-navigation",)  # for the directory, when it runs as an agent
 PLOTS = (".svg", ".png")
+_AHEAD = 2.0  # s of the drive that are shown on maps
 
 
 @dataclass(slots=True)
@@ -157,12 +159,20 @@ def _wander(team: Team, me: Robot, feed: FlowFeed, record: FlowRecord, showing: 
         record.touches = wanderer.contacts
         record.add(now, readings.pose, least_contact(readings.columns), orders.situation)
         showing.step(now, orders)
+        me.show("flow", f"{orders.situation.value}: {orders.reason}", lines=_arrow(orders))
         if now >= next_report:
             next_report = now + settings.report_s
             width = settings.coverage.width_m
             _tell(record, now, f"{record.way:.1f} m driven, {record.visited(width):.1f} m^2 of floor visited")
         if seconds and now >= seconds:
             return
+
+
+def _arrow(orders: WanderOrders) -> list[tuple[Point, Point]]:
+    """Return where the robot drives in the next two seconds, a line in base_link."""
+    turn = orders.twist.angular * _AHEAD / 2.0
+    far = orders.twist.linear * _AHEAD
+    return [((0.0, 0.0), (far * math.cos(turn), far * math.sin(turn)))] if far > 0.0 else []
 
 
 def least_contact(columns: FlowColumns | None) -> float:

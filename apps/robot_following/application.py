@@ -14,6 +14,7 @@ from apps.robot_following.plots import draw_following
 from apps.robot_following.record import FollowingRecord
 from apps.robot_following.settings import FollowingSettings, load_settings
 from configs.extras import ExtraMissing, require
+from geometry import Pose2D
 
 if TYPE_CHECKING:
     from apps.robot_following.film import FollowingFilm
@@ -103,6 +104,7 @@ def _follow(
             step = each.step()
             leader = step.leader.pose if step is not None and step.leader is not None else None
             record.add(now, each.pose, leader, each.gap)
+            _show(each, leader)
             if each.does != last[number]:
                 _tell(record, now, each.does)
                 last[number] = each.does
@@ -114,6 +116,16 @@ def _follow(
             next_report = now + settings.report
         if all(each.has_given_up for each in followers):
             return
+
+
+def _show(follower: "FollowingRobot", leader: Pose2D | None) -> None:
+    """Show on maps where a follower sees its leader."""
+    words = follower.does if follower.gap is None else f"{follower.does}, gap {follower.gap:.2f} m"
+    if leader is None or follower.pose is None:
+        follower.robot.show("following", words)
+        return
+    seen, own = (leader.x, leader.y), (follower.pose.x, follower.pose.y)
+    follower.robot.show("following", words, points=[seen], lines=[(own, seen)], frame="odom")
 
 
 def _progress(follower: "FollowingRobot") -> str:
