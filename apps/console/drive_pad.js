@@ -54,6 +54,7 @@ export default {
   unmounted() {
     this.ended = true;
     clearInterval(this.timer);
+    clearTimeout(this.soon);
     for (const [target, name, call] of this.listeners) target.removeEventListener(name, call);
     this.socket.close();
   },
@@ -116,7 +117,12 @@ export default {
       const now = performance.now();
       if (this.socket.readyState !== WebSocket.OPEN) return;
       const isNeutral = !this.linear && !this.angular;
-      if (!isPeriodic && !isNeutral && now - this.sentAt < SOONEST_MS) return; // the next period has it
+      clearTimeout(this.soon);
+      const early = SOONEST_MS - (now - this.sentAt);
+      if (!isPeriodic && !isNeutral && early > 0) {
+        this.soon = setTimeout(() => this.send(false), early);
+        return;
+      }
       this.sentAt = now;
       this.socket.send(JSON.stringify({ tick: this.tick, linear: this.linear, angular: this.angular }));
     },

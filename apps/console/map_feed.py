@@ -42,6 +42,7 @@ from bus.messages import NS_PER_S, heading, stamp_ns
 from geometry import Pose2D
 
 _SLOW = 0.5  # s between two looks at what changes seldom
+_LOOK = 0.008  # s between two looks for new readings while a browser waits for them
 _NAVIGATION = "user_interface"
 _MOST_GRID = 4_000_000  # cells of a grid that is sent
 _GRID_OLD = 15.0  # s after which a grid makes way for that of another robot
@@ -90,7 +91,8 @@ class MapFeed:
         self.places = places
         self._agent, self._robots, self._directory, self._floor = agent, robots, directory, floor
         self._emulator, self._settings, self._may_ask = emulator, settings, may_ask
-        self._watching = 0
+        self._watching = self._waiting = 0  # browsers, and those of them that wait for what is new
+        self._encoded_at = 0.0  # s of the monotonic clock
         self._number = 0  # of updates
         self._live = b""
         self._seen: tuple[int, ...] = ()
@@ -116,14 +118,15 @@ class MapFeed:
         slow_at = look_at = 0.0
         try:
             while True:
-                await asyncio.sleep(settings.soonest_s if self._watching else _SLOW)
+                await asyncio.sleep(_LOOK if self._waiting else settings.soonest_s if self._watching else _SLOW)
                 now = time.monotonic()
                 if now - slow_at >= _SLOW:
                     slow_at = now
                     await self._step(self._look_slowly)
                 if not self._watching:
                     continue
-                await self._step(self._encode)
+                if self._waiting:
+                    await self._renew()
                 if self._may_ask and now - look_at >= settings.look_s and (looking is None or looking.done()):
                     look_at = now
                     looking = asyncio.ensure_future(self._step(self._ask_navigations))
@@ -146,16 +149,27 @@ class MapFeed:
             while is_open():
                 await browser.receive_text()
                 begun = time.monotonic()
+                await self._renew()
                 if self._number <= sent.number:
-                    with suppress(TimeoutError):  # the reply tells that nothing has moved
-                        async with asyncio.timeout(self._settings.wait_s):
-                            await self._moved.wait()
+                    self._waiting += 1
+                    try:
+                        with suppress(TimeoutError):  # the reply tells that nothing has moved
+                            async with asyncio.timeout(self._settings.wait_s):
+                                await self._moved.wait()
+                    finally:
+                        self._waiting -= 1
                 await browser.send_bytes(self._reply(sent, time.monotonic() - begun))
             await browser.close(4001, "this page is not known; load it again")
         except (WebSocketDisconnect, RuntimeError):  # RuntimeError: it was closed while a reply was awaited
             return
         finally:
             self._watching -= 1
+
+    async def _renew(self) -> None:
+        """Encode what is new, unless that was done a moment ago: browsers get what is new when they ask."""
+        now = time.monotonic()
+        if now - self._encoded_at >= self._settings.soonest_s:
+            await self._step(self._encode)
 
     async def _step(self, action: Callable[[], Awaitable[None]]) -> None:
         """Do one step; an error in it is reported, and the map goes on."""
@@ -220,6 +234,7 @@ class MapFeed:
         if seen == self._seen:
             return
         self._seen, self._trails_begun = seen, seen[0]
+        self._encoded_at = time.monotonic()
         self._live = b"".join(self._record(number, robot, now) for number, robot in present)
         self._tell()
 
