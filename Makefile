@@ -27,7 +27,7 @@ $(DEMO): pyproject.toml constraints.txt
 $(READY): pyproject.toml constraints.txt
 	@VENV=$(VENV) $(PYTHON) tools/make_venv.py all
 
-install: $(READY)  ## Install everything: all extras and the development tools, about 1090 MB
+install: $(READY)  ## Install everything: all extras and the development tools, about 1050 MB
 
 demo: $(DEMO)  ## Emulator, gateway and a drive round the office; ends by itself in about a minute
 	@$(BIN)/python -m acromovi demo

@@ -4,7 +4,9 @@ The drive knows only the bus. The control socket of the emulator is asked where 
 """
 
 import argparse
+import json
 import math
+import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -13,11 +15,12 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from acromovi.children import ChildFailed, EmulatedRobots, emulator, gateway
+from acromovi.children import ChildFailed, EmulatedRobots, emulator, end, gateway
 from acromovi.subcommand import Subcommand
+from acromovi.team.plan import EMULATED
 from apps.waypoints import Follower
 from bus import Bus, BusError, Sample, ZenohBus, keys, messages
-from configs.extras import require
+from configs.extras import missing, needs, require
 from geometry import Polygon, Pose2D
 
 if TYPE_CHECKING:
@@ -109,7 +112,10 @@ def _run(options: argparse.Namespace) -> int:
             "--robot", f"{MODEL}:{ROBOT}", "--world", WORLD, "--seed", str(options.seed), "--quiet"
         ) as robots:
             print(f"p2os-emu     an emulated PowerBot on {robots.port}")
-            with gateway(robots.port, "--quiet"), ZenohBus.open() as bus:
+            settings = Path(robots.control).with_name("gateway.toml")  # the folder goes with the emulator
+            settings.write_text(EMULATED, encoding="utf-8")
+            serving = gateway(robots.port, "--quiet", "--config", str(settings))
+            with _console(robots), serving, ZenohBus.open() as bus:
                 drive, heard = _drive(bus, robots, Follower(world.routes[ROUTE]))
     except (ChildFailed, BusError, TimeoutError) as error:
         print(f"acromovi demo: {error}", file=sys.stderr)
@@ -119,6 +125,26 @@ def _run(options: argparse.Namespace) -> int:
     draw_drive(picture, world, drive.true_path, drive.odometry_path)
     print(_summary(drive, heard, picture))
     return 0
+
+
+@contextmanager
+def _console(robots: EmulatedRobots) -> Iterator[None]:
+    """Serve the web console until the block ends, and print its address, or how to install it."""
+    if missing("console"):
+        print(f"console      {needs('the web console', 'console')}")
+        yield
+        return
+    command = [sys.executable, "-m", "acromovi", "console", "--json", "--port", "0"]
+    command += ["--map", WORLD, "--control", robots.control]
+    with subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, text=True) as process:
+        try:
+            assert process.stdout is not None
+            line = process.stdout.readline()
+            if line:  # otherwise it has said on stderr why not
+                print(f"console      open {json.loads(line)['console']} to see the drive live")
+            yield
+        finally:
+            end(process)
 
 
 def _drive(bus: Bus, robots: EmulatedRobots, follower: Follower) -> tuple[_Drive, _StreamCounts]:

@@ -19,6 +19,14 @@ MB = 1e6  # bytes
 LARGE = 5.0  # MB of a download from which on it gets a line of its own where there is no terminal
 UNUSED = ("pybullet_data", "pybullet_envs", "pybullet_examples", "pybullet_robots", "pybullet_utils")
 """Example models and programs in the wheel of PyBullet, 150 MB, which Acromovi never opens."""
+PARTS_UNUSED = (
+    "numpy/**/tests",
+    "matplotlib/tests",
+    "apsw/tests",
+    "nicegui/elements/plotly/dist",
+    "nicegui/elements/mermaid/dist",
+)
+"""Parts of packages, 40 MB: their own tests, and scripts of elements that no page has."""
 UNITS = {"bytes": 1e-6, "kB": 1e-3, "MB": 1.0, "GB": 1e3}
 DOWNLOADING = re.compile(r"\s*Downloading (\S+?)-\d\S*(?: \(([\d.]+) (bytes|kB|MB|GB)\))?")
 
@@ -37,8 +45,8 @@ class Install:
 
 
 INSTALLS = {
-    "demo": Install("the emulator, the gateway and the agents", ("-e", ".[emu,plots]"), 165, 415),
-    "all": Install("all extras and the development tools", ("--group", "dev", "-e", ".[all]"), 360, 1090),
+    "demo": Install("the emulator, the gateway, the agents and the console", ("-e", ".[emu,plots,console]"), 185, 490),
+    "all": Install("all extras and the development tools", ("--group", "dev", "-e", ".[all]"), 360, 1050),
 }
 
 
@@ -153,6 +161,9 @@ def remove_unused(venv: Path) -> None:
     for folder in venv.glob("lib/python3.*/site-packages"):
         for name in UNUSED:
             shutil.rmtree(folder / name, ignore_errors=True)  # it may be gone already
+        for pattern in PARTS_UNUSED:
+            for path in list(folder.glob(pattern)):
+                shutil.rmtree(path, ignore_errors=True)
 
 
 def size(folder: Path) -> float:

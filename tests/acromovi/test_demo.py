@@ -8,6 +8,7 @@ import pytest
 
 from acromovi import demo
 from acromovi.__main__ import main
+from p2os_emu.program import EmulatedRobots
 
 WORLD = """\
 walls = [{ from_m = [3.0, -2.0], to_m = [3.0, 2.0] }]
@@ -31,6 +32,15 @@ def test_demo_drives_its_route_draws_it_and_says_how_to_go_on(
     assert drove is not None, said
     assert 0.2 <= float(drove[1]) <= 1.0  # a busy machine notices late that the robot is there
     assert "acromovi teleop" in said
+    assert re.search(r"console      open http://127.0.0.1:\d+/ to see the drive live", said)
+
+
+def test_demo_without_the_console_says_how_to_get_it(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setitem(sys.modules, "nicegui", None)
+    with demo._console(EmulatedRobots(None, (), "")):  # type: ignore[arg-type]  # nothing is started
+        assert "the extra console, not installed here; install with: " in capsys.readouterr().out
 
 
 def test_demo_without_physics_says_what_to_install(
