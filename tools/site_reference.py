@@ -20,6 +20,7 @@ SETTINGS = (
     ("Formations", "apps/formation/settings.toml"),
     ("Optical flow", "apps/optical_flow/settings.toml"),
     ("Docking", "apps/docking/settings.toml"),
+    ("Surveillance", "apps/surveillance/settings.toml"),
     ("Fetching an object", "apps/fetch/settings.toml"),
     ("Map building", "agents/components/mapping/settings.toml"),
     ("Localization", "maps/localization/settings.toml"),
