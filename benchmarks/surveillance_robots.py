@@ -146,14 +146,6 @@ class PlayedLocalization(Agent):
         """Return the state and the file of the map."""
         return {"state": "searching" if self._robot.is_lost else "localized", "map": str(self._file), "reason": None}
 
-    @request("goal")
-    async def goal(self, x: float, y: float) -> dict[str, Any]:
-        """Convert a place in map to odom, m."""
-        if self._robot.is_lost:
-            raise Refused(f"{self._robot.name} is not localized")
-        there_x, there_y = ORIGIN.locate(x, y)
-        return {"x": there_x, "y": there_y, "heading": None}
-
 
 class PlayedNavigation(Agent):
     """Answers as the user interface of the indoor navigation."""
@@ -163,9 +155,12 @@ class PlayedNavigation(Agent):
         self._robot, self._floor, self._missions = robot, floor, 0
 
     @request("go")
-    async def go(self, x: float, y: float, tolerance: float) -> dict[str, Any]:
-        """Begin a mission to a place in odom, m."""
-        robot, place = self._robot, ORIGIN.transform(x, y)
+    async def go(self, x: float, y: float, tolerance: float, frame: str) -> dict[str, Any]:
+        """Begin a mission to a place in map, m."""
+        assert frame == "map"
+        robot, place = self._robot, (x, y)
+        if robot.is_lost:
+            raise Refused(f"{robot.name} is not localized")
         self._missions += 1
         robot.mission = f"m{self._missions}"
         way = self._floor.way((robot.pose.x, robot.pose.y), place)

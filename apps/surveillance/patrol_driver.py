@@ -65,7 +65,6 @@ class PatrolDriver:
         self._settings = settings
         robot = agent.name.platform
         self._interface, self._base = AgentName(INTERFACE, robot), AgentName(BASE, robot)
-        self._localization = AgentName("localization", robot)
         self._front, self._width = float(geometry["length_front"]), float(geometry["width"])
         self._mission = ""
         self._robot = robot
@@ -149,10 +148,7 @@ class PatrolDriver:
 
     async def _send(self, place: Point, tolerance: float) -> None:
         x, y = place
-        asked = await self._agent.request(self._localization, "goal", reply_within=_REPLY, x=x, y=y)
-        if not asked.is_done:
-            raise PlaceNotReached(asked.why)
-        there = {"x": asked.result["x"], "y": asked.result["y"], "tolerance": 0.7 * tolerance}
+        there = {"x": x, "y": y, "tolerance": 0.7 * tolerance, "frame": "map"}
         self._mission = "?"  # before the reply: a drive that is cancelled now cancels this mission as well
         begun = await self._agent.request(self._interface, "go", reply_within=_REPLY, **there)
         if not begun.is_done:
