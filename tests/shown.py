@@ -69,6 +69,7 @@ ELSEWHERE = {
     "acromovi localize happy --map office.yaml --pose 2.5 6.1 1.57": LOCALIZATION,
     "acromovi localize happy --state": LOCALIZATION,
     "acromovi localize happy --stop": LOCALIZATION,
+    "acromovi navigate go happy 6 2.5 --map --heading 1.57": LOCALIZATION,
     'acromovi navigate go happy "Lab 2" --wait': LOCALIZATION,
     "acromovi ask localization@happy set_pose x=2.5 y=6.1 heading=1.57": "tests/agents/components",
     "python -m benchmarks localization": "it is a benchmark, which takes minutes",

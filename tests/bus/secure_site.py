@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+import uuid
 from collections.abc import Iterator
 from contextlib import contextmanager
 from datetime import UTC, datetime, timedelta
@@ -38,7 +39,9 @@ class Site:
         """A copy of a profile with this site's address, and whose keys to use."""
         text = find("bus", template).read_text(encoding="utf-8").replace("tls/127.0.0.1:7447", self.endpoint)
         path = self.folder / f"{template}-{self.endpoint.rpartition(':')[2]}.toml"
-        path.write_text(text, encoding="utf-8")
+        whole = path.with_suffix(f".{uuid.uuid4().hex}")
+        whole.write_text(text, encoding="utf-8")
+        whole.replace(path)  # another thread of the test may read it meanwhile
         return f"{path}:{self.folder / owner}"
 
     def open(self, owner: str) -> ZenohBus:

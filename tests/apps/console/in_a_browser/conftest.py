@@ -26,7 +26,7 @@ at_m = [9.0, 6.1]
 """
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="package")
 def team(tmp_path_factory: pytest.TempPathFactory) -> Iterator[WatchedTeam]:
     file = tmp_path_factory.mktemp("team") / "team.toml"
     file.write_text(TEAM_FILE)
@@ -34,20 +34,20 @@ def team(tmp_path_factory: pytest.TempPathFactory) -> Iterator[WatchedTeam]:
         yield WatchedTeam(team)
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="package")
 def browser() -> Iterator[Browser]:
     with chromium() as browser:
         yield browser
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="package")
 def context(browser: Browser) -> Iterator[BrowserContext]:
     """What all tabs share, their cache included: scripts are compiled once for a console."""
     with browser.new_context(viewport=SIZE) as context:
         yield context
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="package")
 def team_tab(context: BrowserContext, team: WatchedTeam) -> Iterator[ConsoleTab]:
     tab = ConsoleTab(context, team.address)
     yield tab
