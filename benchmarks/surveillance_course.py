@@ -33,7 +33,7 @@ from benchmarks.surveillance_robots import (
     PlayedRobot,
 )
 from bus import MemoryBus, MemoryNetwork, Publisher, Sample, keys
-from bus.messages import NS_PER_S, BatteryState, LaserScan, header, quaternion
+from bus.messages import NS_PER_S, BatteryState, LaserScan, decode_json, header, quaternion
 from bus.messages import Point as PointMessage
 from bus.messages import Pose as PoseMessage
 from bus.ros_msgs import PoseWithCovariance, PoseWithCovarianceStamped
@@ -139,6 +139,10 @@ class SurveillanceCourse:
             self.bring_up(name)
         self._bus.subscribe("*/agents/patrol/results", self._take_report)
         self._playing = self.loop.create_task(self._play())
+
+    def listen(self, key: str, hear: Callable[[Any], None]) -> None:
+        """Call a function with each JSON payload that is published on a key."""
+        self._bus.subscribe(key, lambda sample: hear(decode_json(sample.payload)))
 
     @property
     def time(self) -> float:

@@ -26,6 +26,7 @@ from agents.client.sensors import (
 )
 from agents.platform import AgentName, NameNotValid
 from bus import BusError, keys
+from bus.overlay import overlay
 from geometry import Point
 
 ELEMENTS: dict[str, type[ElementClient[Reading]]] = {
@@ -114,14 +115,9 @@ class Robot:
         if now - self._shown.get(application, -math.inf) < _SHOWN_EVERY:
             return
         self._shown[application] = now
-        overlay = {
-            "frame": frame,
-            "words": words,
-            "points": [[round(x, 3), round(y, 3)] for x, y in points],
-            "lines": [[round(value, 3) for end in line for value in end] for line in lines],
-        }
         with suppress(BusError):
-            self._thread.agent.bus.put(keys.OVERLAY.key(self.name, application), overlay)
+            payload = overlay(words, points=points, lines=lines, frame=frame)
+            self._thread.agent.bus.put(keys.OVERLAY.key(self.name, application), payload)
 
     def stop(self) -> None:
         """Stop the robot."""

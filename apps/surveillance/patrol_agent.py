@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from agents.platform import Agent, AgentName, agree, attended, proposes, request
 from agents.platform.directory import Directory
-from bus import BusError, Refused
+from bus import BusError, Refused, keys
 from configs.loader import ConfigError
 from geometry import MapError, Point
 
@@ -217,6 +217,8 @@ class PatrolAgent(Agent):
     def _show_state(self) -> None:
         with suppress(BusError):  # the agent is being stopped, and its results are closed already
             self.publish({"event": "state", **self._state()})
+            if self._duty is not None and (shown := self._duty.overlay()) is not None:
+                self.bus.put(keys.OVERLAY.key(self.name.platform, "surveillance"), shown)
 
     def _state(self) -> dict[str, Any]:
         stamp = self.home.wall_time()

@@ -18,6 +18,7 @@ from apps.surveillance.patrol_driver import PatrolDriver, PlaceNotReached, Robot
 from apps.surveillance.patrol_senses import LOCALIZATION, MOTION, PatrolSenses
 from apps.surveillance.settings import SurveillanceSettings
 from bus import Refused
+from bus.overlay import overlay
 from geometry import Point
 from maps.building_map import BuildingMap
 from maps.map_files import read_building_map
@@ -226,6 +227,16 @@ class PatrolDuty:
                 if each in self.senses.intruders
             ],
         }
+
+    def overlay(self) -> dict[str, Any] | None:
+        """Return what it does for maps: a line to the next room, points for intruders; None while the robot is lost."""
+        origin, pose, room = self.senses.odom_in_map, self.senses.pose, self.plan.next_room()
+        if origin is None or pose is None:
+            return None
+        here = origin.locate(pose.x, pose.y)
+        lines = [(here, origin.locate(*self.plan.rooms[room]))] if room is not None and not self.is_on_errand else []
+        points = [origin.locate(*each.place) for each in self.senses.intruders]
+        return overlay(self._does, points=points, lines=lines, frame="odom")
 
     def _spent(self, least: float) -> str:
         """Return why the battery does not allow to patrol; empty if it does."""

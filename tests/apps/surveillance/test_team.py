@@ -11,7 +11,8 @@ import pytest
 from apps.surveillance.algorithms.neglect import RoomVisit
 from apps.surveillance.settings import SurveillanceSettings
 from benchmarks.surveillance_course import SurveillanceCourse
-from benchmarks.surveillance_robots import PICTURE, PlayedIntruder
+from benchmarks.surveillance_robots import ORIGIN, PICTURE, PlayedIntruder
+from bus import keys
 from geometry import Pose2D
 from tests.apps.surveillance.building import DOC, HAPPY, ROOMS, floor, map_file, world
 
@@ -65,6 +66,18 @@ def test_all_rooms_are_taken_by_bids_and_visited_again_and_again(make: Make) -> 
     assert all(room["visits"] >= 2 for room in status["rooms"].values())
     periods = [robot["period"] for robot in status["robots"].values()]
     assert status["longest"] <= 1.5 * max(periods)
+
+
+def test_maps_show_to_which_room_a_robot_drives(make: Make) -> None:
+    course = make()
+    shown: list[dict[str, Any]] = []
+    course.listen(keys.OVERLAY.key("happy", "surveillance"), shown.append)
+    begin_driving(course, "happy")
+    assert course.run_until(lambda: bool(shown and shown[-1]["lines"]), 5.0)
+    room = course.manager.state_of_patrol()["robots"]["happy"]["next"]
+    assert shown[-1]["words"] == f"drives to {room}"
+    assert shown[-1]["frame"] == "odom"
+    assert shown[-1]["lines"][0][2:] == pytest.approx(ORIGIN.locate(*ROOMS[room]), abs=0.01)
 
 
 def test_the_rooms_of_a_robot_that_dies_are_auctioned_again(make: Make) -> None:
