@@ -39,7 +39,7 @@ LINES = {line for name in ("clients", "emulator") for line in to_run(name, "p2os
 OPTIONS = re.findall(r"^\|[^|]*\| `(--robot [^`]*)` \|$", page("emulator"), re.MULTILINE)
 TOML_OF_AGENTS = {"services", "wrappers"}  # tests/agents/services/test_page.py, tests/agents/wrappers/test_page.py
 # tests/apps, tests/acromovi/navigation
-OF_APPLICATIONS = {"docking", "fetch", "following", "formation", "navigation", "optical-flow"}
+OF_APPLICATIONS = {"docking", "fetch", "following", "formation", "navigation", "optical-flow", "surveillance"}
 NUMBERED_SOUND = '{"number": 3}'
 HOMING = 10.0  # s
 LAB = '2D-Map\nCairn: RobotHome 2000 2000 0 "" ICON "home"\nLINES\n0 0 9000 0\nDATA\n'
