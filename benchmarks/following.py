@@ -12,7 +12,7 @@ import numpy as np
 from apps.robot_following.follower import FollowerState
 from apps.robot_following.plots import draw_following
 from apps.robot_following.record import FollowingRecord
-from apps.robot_following.settings import FollowingSettings, load_settings
+from apps.robot_following.settings import FollowingSettings
 from benchmarks.figures import Figure
 from benchmarks.following_course import SPEED, FollowingCourse
 from benchmarks.formation_course import straight
@@ -62,7 +62,7 @@ class FollowingScore:
 def measure(options: argparse.Namespace) -> list[Figure]:
     """Drive all courses and judge them by the truth."""
     options.out.mkdir(parents=True, exist_ok=True)
-    settings = load_settings()
+    settings = FollowingSettings.load()
     pairs = [follow("pair", PAIR, seed, LONG if seed == SEEDS[0] else SHORT, settings, options.out) for seed in SEEDS]
     lines = [follow("line of three", LINE, seed, SHORT, settings, options.out) for seed in FEW]
     fixed = [follow("pair without a head", PAIR, seed, SHORT, settings, head=False) for seed in FEW]

@@ -18,7 +18,7 @@ from geometry import Pose2D, wrap_angle
 from maps.building_map import BuildingMap
 from maps.localization.likelihood_field import LikelihoodField
 from maps.localization.localizer import LocalizationState, Localizer
-from maps.localization.settings import load_settings
+from maps.localization.settings import LocalizationSettings
 from p2os_emu.world import load_world
 
 GROUP = "localization"
@@ -104,7 +104,7 @@ def trace(
         begin, end: Of the part, s.
         is_known: Whether the localization begins at the true pose, 0.1 m and 3 degrees off.
     """
-    localizer = Localizer(map_, load_settings())
+    localizer = Localizer(map_, LocalizationSettings.load())
     odometry = np.array(drive.odometry)
     steps = list(_with_errors(odometry))
     ranges = [(at + LATENESS, kind, at, ends) for kind, at, ends in _ranges(drive, sensor) if begin <= at < end]
@@ -200,7 +200,7 @@ def _late(wrong: Sequence[float | None]) -> int:
 
 def _update_time(map_: BuildingMap) -> float:
     """Median ms of processor time of one update."""
-    settings = load_settings().field
+    settings = LocalizationSettings.load().field
     costs = LikelihoodField(map_, settings.cell).costs(settings.laser_sigma, settings.clutter)
     rng = np.random.default_rng(0)
     poses = rng.uniform((0.0, 0.0, -3.0), (16.0, 12.0, 3.0), (2000, 3))

@@ -19,7 +19,7 @@ from geometry import Point, Pose2D
 from geometry.segments import polygon_edges
 from maps.building_map import BuildingMap
 from maps.distance import distance_transform
-from maps.localization.settings import load_settings
+from maps.localization.settings import LocalizationSettings
 from maps.occupancy import FREE
 from maps.rasterization import grid_of
 from p2os import RobotModel
@@ -110,6 +110,7 @@ def record(
 
 def _listen(bus: Bus, lockstep: Lockstep, drive: Drive) -> None:
     """Record what comes on the bus."""
+    discs, settings = _discs(), LocalizationSettings.load()
 
     def odometry(sample: Sample) -> None:
         message = decode(sample.type_name, sample.payload)
@@ -123,7 +124,7 @@ def _listen(bus: Bus, lockstep: Lockstep, drive: Drive) -> None:
 
     def sonar(sample: Sample) -> None:
         message = decode(sample.type_name, sample.payload)
-        drive.sonar.append((stamp_ns(message.header) / NS_PER_S, sonar_ends(message, _discs(), load_settings())))
+        drive.sonar.append((stamp_ns(message.header) / NS_PER_S, sonar_ends(message, discs, settings)))
 
     for topic, hear in ((keys.ODOM, odometry), (keys.SCAN, scan), (keys.SONAR, sonar)):
         bus.subscribe(topic.key(ROBOT), hear)

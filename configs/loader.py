@@ -175,7 +175,8 @@ def _build_dataclass(cls: type[T], table: Mapping[str, Any], source: str, path: 
     if not is_dataclass(cls):
         name = getattr(cls, "__name__", repr(cls))
         raise TypeError(f"{name} is no dataclass and has no from_table; give a class such as p2os.RobotModel")
-    hints = get_type_hints(cls)
+    kinds = get_type_hints(cls)
+    hints = {field.name: kinds[field.name] for field in fields(cls)}
     for key in table:
         if key not in hints:
             nearest = difflib.get_close_matches(key, hints, 1, 0)

@@ -1,42 +1,49 @@
-"""Settings of an application: a shipped file that has all of them, and a file of the user with changes."""
+"""Settings of a part: a shipped file that has all of them, and a file of the user with changes."""
 
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import fields
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, ClassVar, Self
 
 from configs.loader import ConfigError, build, laid_over, read
 
-T = TypeVar("T")
 
+class ShippedSettings:
+    """Base of a frozen dataclass with all settings of a part; the file `SHIPPED` has them with their meaning.
 
-def load_with_changes(
-    kind: type[T],
-    shipped: Path,
-    file: str | Path | None,
-    changes: Mapping[str, Any] | None = None,
-    *,
-    zero: bool = False,
-) -> tuple[T, str]:
-    """Return the shipped settings with changes laid over them, and the file to name in further complaints.
-
-    Args:
-        kind: The dataclass; its numbers must be more than 0.
-        shipped: The file with all settings.
-        file: One that has some; none if empty.
-        changes: Tables that are laid over both.
-        zero: Numbers may be 0 as well.
-    Raises:
-        ConfigError: A file cannot be read, or a setting is unknown or not valid.
+    Numbers must be more than 0, or 0 as well where `MAY_BE_ZERO`.
     """
-    table = read(shipped)
-    if file:
-        table = laid_over(table, read(file))
-    source = str(file or shipped)
-    settings = build(kind, laid_over(table, changes or {}), source)
-    _check_numbers(settings, source, zero=zero)
-    return settings, source
+
+    __slots__ = ()
+    SHIPPED: ClassVar[Path]
+    MAY_BE_ZERO: ClassVar[bool] = False
+
+    @classmethod
+    def load(cls, file: str | Path | None = None, changes: Mapping[str, Any] | None = None) -> Self:
+        """Return the shipped settings with changes laid over them.
+
+        Args:
+            file: One that has some; none if empty.
+            changes: Tables that are laid over both.
+        Raises:
+            ConfigError: A file cannot be read, or a setting is unknown or not valid.
+        """
+        table = read(cls.SHIPPED)
+        if file:
+            table = laid_over(table, read(file))
+        source = str(file or cls.SHIPPED)
+        settings = build(cls, laid_over(table, changes or {}), source)
+        _check_numbers(settings, source, zero=cls.MAY_BE_ZERO)
+        settings.check(source)
+        return settings
+
+    def check(self, source: str) -> None:
+        """See that the settings fit together, beyond the values of each; source: their file, for the message.
+
+        Raises:
+            ConfigError: They do not.
+        """
 
 
 def _check_numbers(settings: Any, source: str, *, zero: bool = False) -> None:

@@ -4,9 +4,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import configs
-from configs.settings import load_with_changes
-
-SETTINGS = Path(__file__).with_name("settings.toml")
+from configs.settings import ShippedSettings
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,24 +39,19 @@ class AccessSettings:
 
 
 @dataclass(frozen=True, slots=True)
-class ConsoleSettings:
+class ConsoleSettings(ShippedSettings):
     """All settings; each is described in `settings.toml`."""
+
+    SHIPPED = Path(__file__).with_name("settings.toml")
 
     map: MapSettings
     drive: DriverLimits
     access: AccessSettings
 
-    @classmethod
-    def load(cls, file: str | Path | None = None) -> "ConsoleSettings":
-        """Return the shipped settings, with the changes of a file.
-
-        Raises:
-            ConfigError: The file cannot be read, or a setting is unknown or not valid.
-        """
-        settings, source = load_with_changes(cls, SETTINGS, file)
-        drive = settings.drive
+    def check(self, source: str) -> None:
+        """See that the settings fit together."""
+        drive = self.drive
         if not drive.silent_s < drive.release_s or drive.silent_s > 0.5:
             raise configs.ConfigError(
                 f"{source}: drive.silent_s is {drive.silent_s:g} s; it must be at most 0.5 s, and below drive.release_s"
             )
-        return settings

@@ -3,9 +3,7 @@
 from dataclasses import dataclass
 from pathlib import Path
 
-from configs.settings import load_with_changes
-
-SETTINGS = Path(__file__).with_name("settings.toml")
+from configs.settings import ShippedSettings
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,8 +68,10 @@ class ChargeSettings:
 
 
 @dataclass(frozen=True, slots=True)
-class DockingSettings:
+class DockingSettings(ShippedSettings):
     """All settings; each is described in `settings.toml`."""
+
+    SHIPPED = Path(__file__).with_name("settings.toml")
 
     period_s: float
     report_s: float
@@ -83,13 +83,3 @@ class DockingSettings:
     dock: DockSettings
     clear: ClearSettings
     charge: ChargeSettings
-
-    @classmethod
-    def load(cls, file: str | Path | None = None) -> "DockingSettings":
-        """Return the shipped settings with those of a file laid over them.
-
-        Raises:
-            ConfigError: The file cannot be read, or a setting is unknown or not valid.
-        """
-        settings, _ = load_with_changes(cls, SETTINGS, file)
-        return settings

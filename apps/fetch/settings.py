@@ -5,9 +5,8 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import configs
-from configs.settings import load_with_changes
+from configs.settings import ShippedSettings
 
-SETTINGS = Path(__file__).with_name("settings.toml")
 _COLOUR = re.compile(r"#([0-9a-fA-F]{2})([0-9a-fA-F]{2})([0-9a-fA-F]{2})")
 
 
@@ -126,8 +125,10 @@ class _NamedColours:
 
 
 @dataclass(frozen=True, slots=True)
-class FetchSettings:
+class FetchSettings(ShippedSettings):
     """All settings; each is described in `settings.toml`."""
+
+    SHIPPED = Path(__file__).with_name("settings.toml")
 
     period_s: float
     report_s: float
@@ -143,25 +144,18 @@ class FetchSettings:
     floor: _FloorSettings
     colours: _NamedColours
 
-    @classmethod
-    def load(cls, file: str | Path | None = None) -> "FetchSettings":
-        """Return the shipped settings, with the changes of a file.
-
-        Raises:
-            ConfigError: The file cannot be read, or a setting is unknown or not valid.
-        """
-        settings, source = load_with_changes(cls, SETTINGS, file)
-        for name, text in asdict(settings.colours).items():
+    def check(self, source: str) -> None:
+        """See that the settings fit together."""
+        for name, text in asdict(self.colours).items():
             if not _COLOUR.fullmatch(text):
                 raise configs.ConfigError(f"{source}: colours.{name} must be a colour such as #cc1f1f, not {text!r}")
         for name, value, most in (
-            ("period_s", settings.period_s, 0.5),
-            ("object.widest_m", settings.object.widest_m, settings.robot.opening_m),
-            ("drive.speed_m_s", settings.drive.speed_m_s, 1.0),
+            ("period_s", self.period_s, 0.5),
+            ("object.widest_m", self.object.widest_m, self.robot.opening_m),
+            ("drive.speed_m_s", self.drive.speed_m_s, 1.0),
         ):
             if value > most:
                 raise configs.ConfigError(f"{source}: {name} must be at most {most:g}, not {value:g}")
-        return settings
 
     @property
     def shades(self) -> dict[str, tuple[int, int, int]]:

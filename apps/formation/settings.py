@@ -5,9 +5,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import configs
-from configs.settings import load_with_changes
-
-SETTINGS = Path(__file__).with_name("settings.toml")
+from configs.settings import ShippedSettings
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,8 +106,10 @@ class Passages:
 
 
 @dataclass(frozen=True, slots=True)
-class FormationSettings:
+class FormationSettings(ShippedSettings):
     """All settings; each is described in `settings.toml`."""
+
+    SHIPPED = Path(__file__).with_name("settings.toml")
 
     period_s: float
     report_s: float
@@ -120,17 +120,6 @@ class FormationSettings:
     safety: Safety
     members: _Members
     passages: Passages
-
-    @classmethod
-    def load(cls, file: str | Path | None = None) -> "FormationSettings":
-        """Return the shipped settings, with the changes of a file.
-
-        Raises:
-            ConfigError: The file cannot be read, or a setting is unknown or not valid.
-        """
-        settings, source = load_with_changes(cls, SETTINGS, file)
-        settings._check(source)
-        return settings
 
     @property
     def by_sight(self) -> "FormationSettings":
@@ -146,7 +135,8 @@ class FormationSettings:
         """Return the radius of a robot, m."""
         return self.safety.radii_m.get(robot, self.safety.radius_m)
 
-    def _check(self, source: str) -> None:
+    def check(self, source: str) -> None:
+        """See that the settings fit together."""
         for name, word, allowed in (
             ("points.follow", self.points.follow, ("path", "frame")),
             ("members.when_stopped", self.members.when_stopped, ("leave", "wait")),

@@ -11,7 +11,7 @@ from apps.formation.members import MemberState, RangeEcho
 from apps.formation.settings import FormationSettings
 from apps.formation.sight_frame import FollowerView, SightFrame
 from apps.robot_following.robot import FollowingRobot
-from apps.robot_following.settings import FollowingSettings, load_settings
+from apps.robot_following.settings import FollowingSettings
 from geometry import Pose2D, Twist2D
 from vision.colours import ColourTable
 
@@ -20,7 +20,7 @@ _REQUESTS = 6  # of a robot at the same time
 
 def sight_settings() -> FollowingSettings:
     """Return the settings of robot following by which followers see; they never give up looking for the leader."""
-    known = load_settings()
+    known = FollowingSettings.load()
     return replace(known, search=replace(known.search, give_up=math.inf))
 
 

@@ -5,9 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import configs
-from configs.settings import load_with_changes
-
-SETTINGS = Path(__file__).with_name("settings.toml")
+from configs.settings import ShippedSettings
 
 
 @dataclass(frozen=True, slots=True)
@@ -117,8 +115,10 @@ class FlowPageSettings:
 
 
 @dataclass(frozen=True, slots=True)
-class FlowSettings:
+class FlowSettings(ShippedSettings):
     """All settings; each is described in `settings.toml`."""
+
+    SHIPPED = Path(__file__).with_name("settings.toml")
 
     period_s: float
     report_s: float
@@ -131,18 +131,8 @@ class FlowSettings:
     film: _FilmSettings
     page: FlowPageSettings
 
-    @classmethod
-    def load(cls, file: str | Path | None = None) -> "FlowSettings":
-        """Return the shipped settings, with the changes of a file.
-
-        Raises:
-            ConfigError: The file cannot be read, or a setting is unknown or not valid.
-        """
-        settings, source = load_with_changes(cls, SETTINGS, file)
-        settings._check(source)
-        return settings
-
-    def _check(self, source: str) -> None:
+    def check(self, source: str) -> None:
+        """See that the settings fit together."""
         for name, value, most in (
             ("period_s", self.period_s, 0.5),
             ("drive.speed_m_s", self.drive.speed_m_s, 1.0),

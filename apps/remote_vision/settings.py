@@ -4,9 +4,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import configs
-from configs.settings import load_with_changes
-
-SETTINGS = Path(__file__).with_name("settings.toml")
+from configs.settings import ShippedSettings
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,24 +30,16 @@ class ControlLimits:
 
 
 @dataclass(frozen=True, slots=True)
-class RemoteVisionSettings:
+class RemoteVisionSettings(ShippedSettings):
     """All settings; each is described in `settings.toml`."""
+
+    SHIPPED = Path(__file__).with_name("settings.toml")
 
     images: ImageTimes
     control: ControlLimits
 
-    @classmethod
-    def load(cls, file: str | Path | None = None) -> "RemoteVisionSettings":
-        """Return the shipped settings, with the changes of a file.
-
-        Raises:
-            ConfigError: The file cannot be read, or a setting is unknown or not valid.
-        """
-        settings, source = load_with_changes(cls, SETTINGS, file)
-        settings._check(source)
-        return settings
-
-    def _check(self, source: str) -> None:
+    def check(self, source: str) -> None:
+        """See that the settings fit together."""
         if self.control.zoom_step <= 1.0:
             raise configs.ConfigError(f"{source}: control.zoom_step must be more than 1")
         if self.control.release_s < self.control.silent_s or self.control.silent_s <= self.images.wait_s:

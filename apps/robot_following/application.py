@@ -12,7 +12,7 @@ from apps.film import check_film
 from apps.pictures import check_picture
 from apps.robot_following.plots import draw_following
 from apps.robot_following.record import FollowingRecord
-from apps.robot_following.settings import FollowingSettings, load_settings
+from apps.robot_following.settings import FollowingSettings
 from configs.extras import ExtraMissing, require
 from geometry import Pose2D
 
@@ -170,7 +170,7 @@ def _film(file: str) -> "FollowingFilm | None":
 
 def _settings(file: str) -> FollowingSettings:
     try:
-        return load_settings(file or None)
+        return FollowingSettings.load(file or None)
     except configs.ConfigError as err:
         raise RobotError(str(err)) from err
 

@@ -1,14 +1,10 @@
 """Settings of the application; `settings.toml` beside this module gives all of them with their units and meaning."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import configs
-from configs.settings import load_with_changes
-
-SETTINGS = Path(__file__).with_name("settings.toml")
+from configs.settings import ShippedSettings
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,8 +85,11 @@ class _ViewSettings:
 
 
 @dataclass(frozen=True, slots=True)
-class FollowingSettings:
+class FollowingSettings(ShippedSettings):
     """All of them; `settings.toml` has their units and meaning."""
+
+    SHIPPED = Path(__file__).with_name("settings.toml")
+    MAY_BE_ZERO = True
 
     period: float
     report: float
@@ -102,20 +101,12 @@ class FollowingSettings:
     room: RoomSettings
     camera: _ViewSettings
 
-
-def load_settings(path: str | Path | None = None, changes: Mapping[str, Any] | None = None) -> FollowingSettings:
-    """Read settings.
-
-    Args:
-        path: A file that need not have all of them; None for those that are shipped.
-        changes: Tables that are laid over the file.
-    Raises:
-        ConfigError: The file cannot be read, or a key or value is not valid.
-    """
-    settings, source = load_with_changes(FollowingSettings, SETTINGS, path, changes, zero=True)
-    if settings.period == 0.0:
-        raise configs.ConfigError(f"{source}: period must be more than 0 s")
-    if settings.drive.gap <= settings.drive.nearest:
-        nearest, gap = settings.drive.nearest, settings.drive.gap
-        raise configs.ConfigError(f"{source}: drive.gap must be more than drive.nearest, {nearest:g} m, not {gap:g}")
-    return settings
+    def check(self, source: str) -> None:
+        """See that the settings fit together."""
+        if self.period == 0.0:
+            raise configs.ConfigError(f"{source}: period must be more than 0 s")
+        if self.drive.gap <= self.drive.nearest:
+            nearest, gap = self.drive.nearest, self.drive.gap
+            raise configs.ConfigError(
+                f"{source}: drive.gap must be more than drive.nearest, {nearest:g} m, not {gap:g}"
+            )

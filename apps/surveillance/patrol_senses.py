@@ -20,7 +20,7 @@ from bus.aio import hand_over
 from bus.bus import Closeable
 from bus.messages import NS_PER_S, LaserScan, RangeArray, stamp_ns
 from geometry import Pose2D, wrap_angle
-from maps.localization.settings import load_settings
+from maps.localization.settings import LocalizationSettings
 
 LOCALIZATION, MOTION = "localization", "motion"
 """Agents of the robot whose results are used."""
@@ -82,7 +82,7 @@ class PatrolSenses(Closeable):
         self._pan = 0.0
         self._pending: deque[tuple[float, Any]] = deque(maxlen=_WAITING)
         self._others: dict[str, tuple[Sample, float]] = {}  # the latest pose of each robot, and when it came
-        self._sonar_settings = load_settings()
+        self._sonar_settings = LocalizationSettings.load()
         self._camera: list[Subscription] = []
         self._hearing = [self._bus.subscribe(f"*/{keys.POSE.suffix}", self._take_pose, urgent=True)]
         topics: list[tuple[str, HearReading]] = [

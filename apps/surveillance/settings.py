@@ -6,9 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from configs.loader import build
-from configs.settings import load_with_changes
-
-SETTINGS = Path(__file__).with_name("settings.toml")
+from configs.settings import ShippedSettings
 
 
 @dataclass(frozen=True, slots=True)
@@ -123,8 +121,10 @@ class PursuitSettings:
 
 
 @dataclass(frozen=True, slots=True)
-class SurveillanceSettings:
+class SurveillanceSettings(ShippedSettings):
     """All settings; each is described in `settings.toml`."""
+
+    SHIPPED = Path(__file__).with_name("settings.toml")
 
     rooms: tuple[str, ...]
     patrol: PatrolSettings
@@ -137,16 +137,6 @@ class SurveillanceSettings:
     alarm: AlarmSettings
     member: MemberSettings
     follow: PursuitSettings
-
-    @classmethod
-    def load(cls, file: str | Path | None = None) -> "SurveillanceSettings":
-        """Return the shipped settings with those of a file laid over them.
-
-        Raises:
-            ConfigError: The file cannot be read, or a setting is unknown or not valid.
-        """
-        settings, _ = load_with_changes(cls, SETTINGS, file)
-        return settings
 
     @classmethod
     def of_table(cls, table: Mapping[str, Any]) -> "SurveillanceSettings":

@@ -3,9 +3,7 @@
 from dataclasses import dataclass
 from pathlib import Path
 
-from configs.settings import load_with_changes
-
-FILE = Path(__file__).with_name("settings.toml")
+from configs.settings import ShippedSettings
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,8 +112,10 @@ class OdometrySettings:
 
 
 @dataclass(frozen=True, slots=True)
-class LocalizationSettings:
+class LocalizationSettings(ShippedSettings):
     """All of them."""
+
+    SHIPPED = Path(__file__).with_name("settings.toml")
 
     field: FieldSettings
     motion: MotionNoise
@@ -124,13 +124,3 @@ class LocalizationSettings:
     memory: ReadingMemorySettings
     trust: TrustSettings
     odometry: OdometrySettings
-
-
-def load_settings(path: str | Path | None = None) -> LocalizationSettings:
-    """Read the settings; a file of one's own replaces values of the file here.
-
-    Raises:
-        ConfigError: the file cannot be read, or has an unknown key or a bad value.
-    """
-    settings, _ = load_with_changes(LocalizationSettings, FILE, path)
-    return settings

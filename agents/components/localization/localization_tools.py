@@ -32,7 +32,7 @@ from bus.ros_msgs import MapMetaData, OccupancyGridMessage, PoseWithCovariance, 
 from geometry import MapError, Pose2D, wrap_angle
 from maps.building_map import BuildingMap
 from maps.localization.localizer import LocalizationEstimate, LocalizationState, Localizer
-from maps.localization.settings import LocalizationSettings, load_settings
+from maps.localization.settings import LocalizationSettings
 from maps.map_files import read_building_map
 from maps.rasterization import forbidden_cells, grid_of
 
@@ -97,7 +97,7 @@ class LocalizationTools:
         """
         try:
             self.map: BuildingMap = read_building_map(file)
-            self._settings: LocalizationSettings = load_settings(settings_file or None)
+            self._settings: LocalizationSettings = LocalizationSettings.load(settings_file or None)
             self._localizer = Localizer(self.map, self._settings, seed)
         except (MapError, ValueError) as err:  # ConfigError is a ValueError
             raise Refused(str(err)) from err

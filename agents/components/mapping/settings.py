@@ -3,11 +3,9 @@
 from dataclasses import dataclass
 from pathlib import Path
 
-from configs.settings import load_with_changes
+from configs.settings import ShippedSettings
 from maps.building.laser_builder import MappingSettings
 from maps.building.sonar import SonarMapping
-
-SETTINGS = Path(__file__).with_name("settings.toml")
 
 
 @dataclass(frozen=True, slots=True)
@@ -19,18 +17,11 @@ class MapOutput:
 
 
 @dataclass(frozen=True, slots=True)
-class MappingAgentSettings:
+class MappingAgentSettings(ShippedSettings):
     """All settings of the agent."""
+
+    SHIPPED = Path(__file__).with_name("settings.toml")
 
     laser: MappingSettings
     sonar: SonarMapping
     output: MapOutput
-
-    @classmethod
-    def load(cls) -> "MappingAgentSettings":
-        """Read them.
-
-        Raises:
-            ConfigError: The file is not valid.
-        """
-        return load_with_changes(cls, SETTINGS, None)[0]

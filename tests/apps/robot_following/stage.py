@@ -8,7 +8,7 @@ from random import Random
 
 from apps.robot_following.follower import FollowerState, FollowingStep, SightFollower
 from apps.robot_following.leader import Sighting, leader_pose
-from apps.robot_following.settings import FollowingSettings, load_settings
+from apps.robot_following.settings import FollowingSettings
 from geometry import Point, Pose2D, Twist2D, integrate, wrap_angle
 
 DT = 1.0 / 60.0  # s
@@ -24,7 +24,7 @@ class Stage:
     """Plays a course of the leader. hidden: tells by the time, s, whether the target is out of sight."""
 
     seed: int = 0
-    settings: FollowingSettings = field(default_factory=load_settings)
+    settings: FollowingSettings = field(default_factory=FollowingSettings.load)
     pan_reach: float = 1.5
     hidden: Callable[[float], bool] = lambda time: False
     obstacles: Sequence[Point] = ()

@@ -9,13 +9,13 @@ import pytest
 
 from apps.robot_following.cycle import FollowingCycle
 from apps.robot_following.follower import FollowerState
-from apps.robot_following.settings import load_settings
+from apps.robot_following.settings import FollowingSettings
 from benchmarks.vision_drawing import Camera, Flaws, draw, quads
 from configs.target_file import target_file
 from geometry import Pose2D, Twist2D, integrate
 from vision.image import Image, Pixels
 
-SETTINGS = load_settings()
+SETTINGS = FollowingSettings.load()
 CAMERA = Camera(160, 120, radians(60.0))
 NEAR, FAR = 1.3, 2.2  # m from the camera to a target
 DT = 0.1  # s

@@ -9,7 +9,7 @@ from apps.film import SIDE, TEXT
 from apps.robot_following.cycle import FollowingCycle
 from apps.robot_following.film import FollowingFilm, draw_picture
 from apps.robot_following.record import FollowingRecord
-from apps.robot_following.settings import load_settings
+from apps.robot_following.settings import FollowingSettings
 from configs.target_file import target_file
 from geometry import Pose2D, Twist2D
 from tests.apps.film_frames import frames_of
@@ -20,7 +20,7 @@ LINE = 40, 220, 250  # blue, green and red
 
 def seen() -> FollowingCycle:
     """A follower that has seen its leader."""
-    cycle = FollowingCycle(load_settings(), {"field_of_view": CAMERA.view})
+    cycle = FollowingCycle(FollowingSettings.load(), {"field_of_view": CAMERA.view})
     cycle.take_odometry(1.0, Pose2D(), Twist2D())
     cycle.take_picture(1.0, LEADER(Pose2D(), 0.0))
     cycle.step(1.0, [])

@@ -9,11 +9,11 @@ import pytest
 
 from apps.robot_following.follower import FollowerState, SightFollower
 from apps.robot_following.leader import Sighting
-from apps.robot_following.settings import load_settings
+from apps.robot_following.settings import FollowingSettings
 from geometry import Point, Pose2D
 from tests.apps.robot_following.stage import LEG, Stage
 
-SETTINGS = load_settings()
+SETTINGS = FollowingSettings.load()
 GAP = SETTINGS.drive.gap
 
 

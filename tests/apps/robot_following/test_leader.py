@@ -6,10 +6,10 @@ from random import Random
 import pytest
 
 from apps.robot_following.leader import LeaderTrack, Sighting, leader_pose
-from apps.robot_following.settings import load_settings
+from apps.robot_following.settings import FollowingSettings
 from geometry import Pose2D, Twist2D, integrate
 
-SETTINGS = load_settings().leader
+SETTINGS = FollowingSettings.load().leader
 DT = 1 / 15
 
 

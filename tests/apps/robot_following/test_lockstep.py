@@ -7,7 +7,7 @@ from random import Random
 import numpy as np
 import pytest
 
-from apps.robot_following.settings import load_settings
+from apps.robot_following.settings import FollowingSettings
 from benchmarks.following_course import BENDS, FollowingCourse, route
 from benchmarks.formation_course import straight
 from p2os_emu.world import load_world
@@ -19,7 +19,7 @@ SECONDS = 1.8
 def test_a_follower_sees_its_leader_and_drives_and_the_same_seed_gives_the_same_paths() -> None:
     paths = []
     for _ in range(2):
-        with FollowingCourse(load_world("office"), ("doc", "happy"), 10.0, load_settings(), seed=1) as course:
+        with FollowingCourse(load_world("office"), ("doc", "happy"), 10.0, FollowingSettings.load(), seed=1) as course:
             course.run(SECONDS)
             assert max(course.followers[0].track.unseen[20:]) < 0.3
             assert course.touches() == []

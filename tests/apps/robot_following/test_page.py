@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 import configs
-from apps.robot_following.settings import load_settings
+from apps.robot_following.settings import FollowingSettings
 from tests.shown import files
 
 
@@ -13,7 +13,7 @@ def test_the_file_of_the_page_is_read(tmp_path: Path) -> None:
     (changes,) = files("following", "toml")
     file = tmp_path / "settings.toml"
     file.write_text(changes)
-    settings = load_settings(file)
+    settings = FollowingSettings.load(file)
     assert (settings.drive.gap, settings.camera.field_of_view) == (1.5, 1.047)
 
 
@@ -27,4 +27,4 @@ def test_the_file_of_the_page_is_read(tmp_path: Path) -> None:
 )
 def test_settings_that_make_no_sense_are_refused(changes: dict[str, object], told: str) -> None:
     with pytest.raises(configs.ConfigError, match=told):
-        load_settings(changes=changes)
+        FollowingSettings.load(changes=changes)

@@ -11,12 +11,12 @@ from agents import Robot, RobotError
 from apps.background import BackgroundRequests
 from apps.robot_following import robot as robot_module
 from apps.robot_following.robot import FollowingRobot
-from apps.robot_following.settings import load_settings
+from apps.robot_following.settings import FollowingSettings
 from geometry import Pose2D
 from tests.apps.robot_following.test_faults import CAMERA, LEADER
 from tests.waiting import wait_until
 
-SETTINGS = load_settings(None, {"camera": {"field_of_view": CAMERA.view}})
+SETTINGS = FollowingSettings.load(None, {"camera": {"field_of_view": CAMERA.view}})
 PICTURE = base64.b64encode(LEADER(Pose2D(), 0.0)).decode()
 
 
@@ -100,4 +100,4 @@ def test_a_camera_that_fails_is_named_and_a_refusal_too(elements: Elements, foll
 
 def test_a_camera_without_a_known_field_of_view_is_refused(elements: Elements) -> None:
     with pytest.raises(RobotError, match=r"give it in rad as camera\.field_of_view"):
-        FollowingRobot(cast(Robot, elements), BackgroundRequests(1, "test"), load_settings())
+        FollowingRobot(cast(Robot, elements), BackgroundRequests(1, "test"), FollowingSettings.load())

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from geometry import Pose2D, Segment, Twist2D, integrate
 from maps.building_map import BuildingMap
 from maps.localization.localizer import LocalizationState, Localizer
-from maps.localization.settings import LocalizationSettings, load_settings
+from maps.localization.settings import LocalizationSettings
 
 PERIOD = 0.1  # s
 ANGLES = np.linspace(-pi / 2, pi / 2, 91)
@@ -41,7 +41,7 @@ OTHER = BuildingMap((*_box(0, 0, 7, 11), Segment(0, 4, 2.6, 4), Segment(3.8, 4, 
 @cache
 def settings() -> LocalizationSettings:
     """Those of the file, with fewer particles at the beginning."""
-    return load_settings()
+    return LocalizationSettings.load()
 
 
 def scan(plan: BuildingMap, pose: Pose2D, rng: np.random.Generator) -> NDArray[np.float64]:
