@@ -1,17 +1,13 @@
 """The live page in Chromium: a drive is seen, a frozen browser holds up nothing, and the button ends the drive."""
 
-import os
-import re
-import subprocess
-import sys
 from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
 
 from tests.acromovi.team.running import RunningTeam, running
-from tests.apps.remote_vision.browser import ROOT, Viewer, children, chromium, frozen, needs_chromium
+from tests.apps.remote_vision.viewer import Viewer
+from tests.apps.web.browsing import children, chromium, frozen, needs_chromium, serving
 from tests.shown import files
 from tests.waiting import exit_code, wait_until
 
@@ -27,31 +23,11 @@ def team(tmp_path_factory: pytest.TempPathFactory) -> Iterator[RunningTeam]:
         yield team
 
 
-@contextmanager
-def wandering(team: RunningTeam, folder: Path) -> "Iterator[tuple[subprocess.Popen[str], str]]":
-    """Run the application with a page on any free port; gives the process and the address of the page."""
-    arguments = ["robot=bart", "page=0", "film=", "picture=", "--bus", team.profile]
-    with subprocess.Popen(
-        [sys.executable, "-m", "acromovi", "run", "optical_flow", *arguments],
-        cwd=folder,
-        env={**os.environ, "PYTHONPATH": str(ROOT), "PYTHONUNBUFFERED": "1"},
-        stdout=subprocess.PIPE,
-        text=True,
-    ) as process:
-        try:
-            assert process.stdout is not None
-            found = re.fullmatch(r"live page of bart: (http://\S+)\n", process.stdout.readline())
-            assert found, "the page is not served"
-            yield process, found[1]
-        finally:
-            if process.poll() is None:
-                process.kill()
-
-
 def test_the_page_shows_the_drive_a_frozen_browser_holds_up_nothing_and_the_button_ends_it(
     team: RunningTeam, tmp_path: Path
 ) -> None:
-    with wandering(team, tmp_path) as (process, url), chromium() as browser:
+    command = "run", "optical_flow", "robot=bart", "page=0", "film=", "picture=", "--bus", team.profile
+    with serving(*command, folder=tmp_path) as (process, url), chromium() as browser:
         viewer = Viewer(browser, url)
         assert process.stdout is not None
         drawn = viewer.until_drawn(PLACE)

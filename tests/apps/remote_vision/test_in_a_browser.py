@@ -16,14 +16,8 @@ from playwright.sync_api import Browser
 
 from bus import keys
 from tests.acromovi.team.running import RunningTeam, running
-from tests.apps.remote_vision.browser import (
-    Viewer,
-    children,
-    chromium,
-    frozen,
-    needs_chromium,
-    remote_vision,
-)
+from tests.apps.remote_vision.viewer import Viewer
+from tests.apps.web.browsing import children, chromium, frozen, needs_chromium, serving
 from tests.waiting import exit_code, wait_until
 
 pytestmark = needs_chromium
@@ -61,7 +55,8 @@ def served(
 ) -> "Iterator[tuple[subprocess.Popen[str], str]]":
     settings = tmp_path_factory.mktemp("settings") / "mine.toml"
     settings.write_text(LONG_STEP)
-    with remote_vision("happy", team.profile, "--settings", str(settings)) as served:
+    command = "remote-vision", "happy", "--port", "0", "--bus", team.profile, "--settings", str(settings)
+    with serving(*command) as served:
         yield served
 
 

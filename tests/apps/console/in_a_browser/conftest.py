@@ -7,7 +7,7 @@ from playwright.sync_api import Browser, BrowserContext, ViewportSize
 
 from tests.acromovi.team.running import running
 from tests.apps.console.in_a_browser.browsing import ConsoleTab, WatchedTeam
-from tests.apps.remote_vision.browser import chromium
+from tests.apps.web.browsing import chromium
 
 SIZE: ViewportSize = {"width": 1000, "height": 640}  # px
 TEAM_FILE = """\

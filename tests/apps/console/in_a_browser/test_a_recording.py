@@ -6,9 +6,9 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import BrowserContext
 
-from tests.apps.console.in_a_browser.browsing import ConsoleTab, console
+from tests.apps.console.in_a_browser.browsing import ConsoleTab
 from tests.apps.console.recordings import DRIVEN, ESTOP_AT, recorded_drive
-from tests.apps.remote_vision.browser import needs_chromium
+from tests.apps.web.browsing import needs_chromium, serving
 
 pytestmark = needs_chromium
 
@@ -16,7 +16,7 @@ pytestmark = needs_chromium
 @pytest.fixture(scope="module")
 def replayed(context: BrowserContext, tmp_path_factory: pytest.TempPathFactory) -> Iterator[ConsoleTab]:
     file: Path = recorded_drive(tmp_path_factory.mktemp("recording") / "drive.mcap")
-    with console("local:unused", "--replay", str(file)) as (_, address):
+    with serving("console", "--port", "0", "--bus", "local:unused", "--replay", str(file)) as (_, address):
         tab = ConsoleTab(context, address)
         yield tab
         tab.close()

@@ -15,8 +15,8 @@ from apps.web.agent import page_agent
 from bus import NoAnswer, ZenohBus, keys
 from bus.acromovi_msgs import RobotState
 from bus.messages import NS_PER_S, header
-from tests.apps.console.in_a_browser.browsing import ConsoleTab, console
-from tests.apps.remote_vision.browser import needs_chromium
+from tests.apps.console.in_a_browser.browsing import ConsoleTab
+from tests.apps.web.browsing import needs_chromium, serving
 from tests.bus.secure_site import MEMBERS, Site
 from tests.waiting import wait_until
 
@@ -40,7 +40,8 @@ def address(site: Site, tmp_path_factory: pytest.TempPathFactory) -> Iterator[st
     file = tmp_path_factory.mktemp("access") / "password"
     PasswordHash.of(PASSWORD).write(file)
     profile = site.profile("viewer.vera")
-    with console(profile, "--host", HOST, "--password-file", str(file)) as (_, address):
+    command = "console", "--port", "0", "--bus", profile, "--host", HOST, "--password-file", str(file)
+    with serving(*command) as (_, address):
         yield address
 
 

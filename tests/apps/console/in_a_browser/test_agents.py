@@ -1,7 +1,7 @@
 """The page Agents, on an emulated team."""
 
 from tests.apps.console.in_a_browser.browsing import ConsoleTab, WatchedTeam, ask, choose
-from tests.apps.remote_vision.browser import needs_chromium
+from tests.apps.web.browsing import needs_chromium
 
 pytestmark = needs_chromium
 

@@ -6,7 +6,7 @@ from urllib.parse import urlsplit
 from playwright.sync_api import BrowserContext
 
 from tests.apps.console.in_a_browser.browsing import ConsoleTab, WatchedTeam, drive
-from tests.apps.remote_vision.browser import needs_chromium
+from tests.apps.web.browsing import needs_chromium
 
 pytestmark = needs_chromium
 DRIVES = re.compile(r"page \d+ .* drives")

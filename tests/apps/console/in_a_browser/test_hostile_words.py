@@ -4,7 +4,7 @@ import pytest
 
 from tests.apps.console.in_a_browser.browsing import ConsoleTab, WatchedTeam, ask, choose
 from tests.apps.console.in_a_browser.odd_robot import MAP, NAME, X, odd_robot
-from tests.apps.remote_vision.browser import needs_chromium
+from tests.apps.web.browsing import needs_chromium
 from tests.waiting import wait_until
 
 pytestmark = needs_chromium

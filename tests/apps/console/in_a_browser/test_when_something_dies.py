@@ -6,7 +6,7 @@ import signal
 from playwright.sync_api import Browser
 
 from tests.apps.console.in_a_browser.browsing import ConsoleTab, WatchedTeam, ask, choose, drive
-from tests.apps.remote_vision.browser import children, frozen, needs_chromium
+from tests.apps.web.browsing import children, frozen, needs_chromium
 from tests.waiting import wait_until
 
 pytestmark = needs_chromium
