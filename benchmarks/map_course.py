@@ -13,7 +13,8 @@ import numpy as np
 
 import configs
 from acromovi.lockstep import SETTINGS, Lockstep
-from acromovi.missions.course import BRISK, CONNECTING, LOOK, PERIOD, SETTLE, NavigatedRobot, Played
+from acromovi.missions.course import BRISK, CONNECTING, LOOK, SETTLE
+from acromovi.missions.navigated_robot import NavigatedRobot, Played, run_together
 from agents.components.localization.localization_agent import LocalizationAgent
 from agents.platform.virtual_time import VirtualTimeLoop
 from agents.services.arbiter import Arbiter
@@ -129,7 +130,7 @@ class MapFloor(Closeable):
         )
         self.loop = VirtualTimeLoop()
         self.robots = [NavigatedRobot(name, self.lockstep, self.loop) for name in names]
-        self._steps = self._number = 0
+        self._number = 0
         self.run(1.0)
         for robot in self.robots:
             robot.start_components()
@@ -140,13 +141,7 @@ class MapFloor(Closeable):
 
     def run(self, seconds: float) -> None:
         """Let time pass."""
-        for _ in range(round(seconds / STEP)):
-            self.lockstep.run(STEP)
-            self.loop.run_for(STEP)
-            self._steps += 1
-            if self._steps % PERIOD == 0:
-                for robot in self.robots:
-                    robot.sample()
+        run_together(self.lockstep, self.loop, self.robots, seconds)
 
     def play(self, number: int) -> GoalScore:
         """Send the first robot to a goal; the second one goes on to its own."""

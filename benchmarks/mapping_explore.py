@@ -4,7 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from acromovi.missions.course import ENDED, ROBOT, Course
+from acromovi.missions.course import ROBOT, Course
+from acromovi.missions.navigated_robot import ENDED
 from agents.components.mapping.mapping_tools import MapWork, sensors_of
 from agents.components.mapping.settings import MappingAgentSettings
 from bus import Sample, keys

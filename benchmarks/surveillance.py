@@ -8,13 +8,15 @@ shorter patrols through which intruders walk.
 import argparse
 import os
 import tempfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from itertools import pairwise
 from math import atan2, dist, inf
 from pathlib import Path
 from random import Random
+from typing import Any
 
 import numpy as np
 
@@ -173,40 +175,40 @@ def _starts(at: PatrolPlace, rng: Random) -> dict[str, Pose2D]:
     return {name: Pose2D(x, y, rng.uniform(-3.0, 3.0)) for name, (x, y) in zip(ROBOTS, chosen, strict=True)}
 
 
+@contextmanager
+def _course(
+    at: PatrolPlace, rng: Random, settings: SurveillanceSettings, **options: Any
+) -> Iterator[SurveillanceCourse]:
+    """A course on a floor, from starts by chance; options: as those of `SurveillanceCourse`."""
+    with tempfile.TemporaryDirectory() as folder:
+        file = write_building_map(at.map, Path(folder) / "plan.map")[0]
+        starts, seed = _starts(at, rng), rng.randrange(9999)
+        course = SurveillanceCourse(at.world, file, at.floor, at.rooms, starts, settings, seed=seed, **options)
+        try:
+            yield course
+        finally:
+            course.close()
+
+
 def hour(name: str, out: str = "", lasts: float = HOUR, fails: float = FAILURE) -> HourScore:
     """Patrol for an hour, in which a robot fails; without people, so each alarm is a false one."""
     settings = SurveillanceSettings.load()
     at, rng = place(name, settings), Random(f"{name} hour")
-    with tempfile.TemporaryDirectory() as folder:
-        file = write_building_map(at.map, Path(folder) / "plan.map")[0]
-        course = SurveillanceCourse(
-            at.world,
-            file,
-            at.floor,
-            at.rooms,
-            _starts(at, rng),
-            settings,
-            seed=rng.randrange(9999),
-            scan_s=_SCAN_S,
-            pose_s=_POSE_S,
-        )
-        record = NightRecord()
-        try:
-            course.run(fails)
-            failed = rng.choice(ROBOTS)
-            rooms = [room for room, robot in course.manager.market.assigned.items() if robot == failed]
-            course.kill(failed)
-            while course.time < lasts:
-                course.run(10.0)
-            status = course.manager.state_of_patrol()
-            ledger = course.manager.ledger
-            assert ledger is not None
-            record.add(course.time, status)
-            if out:
-                _draw(Path(out), name, record, course, at)
-            return _hour_score(name, at, ledger, rooms, fails, course)
-        finally:
-            course.close()
+    record = NightRecord()
+    with _course(at, rng, settings, scan_s=_SCAN_S, pose_s=_POSE_S) as course:
+        course.run(fails)
+        failed = rng.choice(ROBOTS)
+        rooms = [room for room, robot in course.manager.market.assigned.items() if robot == failed]
+        course.kill(failed)
+        while course.time < lasts:
+            course.run(10.0)
+        status = course.manager.state_of_patrol()
+        ledger = course.manager.ledger
+        assert ledger is not None
+        record.add(course.time, status)
+        if out:
+            _draw(Path(out), name, record, course, at)
+        return _hour_score(name, at, ledger, rooms, fails, course)
 
 
 def _hour_score(
@@ -243,23 +245,9 @@ def night(name: str, lasts: float = NIGHT) -> NightScore:
         length = sum(dist(a, b) for a, b in pairwise(way))
         intruders.append(PlayedIntruder(way, begins, 0.8, length / 0.8 + 5.0))
         begins += APART
-    with tempfile.TemporaryDirectory() as folder:
-        file = write_building_map(at.map, Path(folder) / "plan.map")[0]
-        course = SurveillanceCourse(
-            at.world,
-            file,
-            at.floor,
-            at.rooms,
-            _starts(at, rng),
-            settings,
-            seed=rng.randrange(9999),
-            intruders=intruders,
-        )
-        try:
-            course.run(lasts)
-            return _night_score(name, course)
-        finally:
-            course.close()
+    with _course(at, rng, settings, intruders=intruders) as course:
+        course.run(lasts)
+        return _night_score(name, course)
 
 
 def _night_score(name: str, course: SurveillanceCourse) -> NightScore:

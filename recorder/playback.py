@@ -240,7 +240,7 @@ def _token_of(sample: Sample) -> tuple[str, bool] | None:
         return None
     try:
         value = decode_json(sample.payload)
-    except MessageError:
+    except MessageError:  # it tells of no token
         return None
     match value:
         case {"key": str(key), "alive": bool(is_alive)}:

@@ -163,7 +163,7 @@ def remove_unused(venv: Path) -> None:
             shutil.rmtree(folder / name, ignore_errors=True)  # it may be gone already
         for pattern in PARTS_UNUSED:
             for path in list(folder.glob(pattern)):
-                shutil.rmtree(path, ignore_errors=True)
+                shutil.rmtree(path, ignore_errors=True)  # it may be a part of one that is gone already
 
 
 def size(folder: Path) -> float:

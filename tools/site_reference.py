@@ -3,14 +3,12 @@
 import argparse
 import os
 from collections.abc import Iterator, Mapping
-from contextlib import suppress
 from pathlib import Path
 
 from acromovi.__main__ import COMMANDS
 from acromovi.subcommand import LazyParser, add_subcommands
 from bus.keys import TOPICS, Kind
 from configs.command_line import CommandParser
-from configs.loader import ConfigError
 
 ROOT = Path(__file__).resolve().parents[1]
 SETTINGS = (
@@ -118,8 +116,7 @@ def settings_page() -> str:
 
 def _commands(parser: argparse.ArgumentParser, path: str) -> Iterator[tuple[str, argparse.ArgumentParser]]:
     if isinstance(parser, LazyParser):
-        with suppress(ConfigError):  # an extra of its module is not installed
-            parser.load()
+        parser.load()
     yield path, parser
     for action in parser._actions:  # argparse has no public way to them
         if isinstance(action, argparse._SubParsersAction):

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from acromovi.missions.course import Played
+from acromovi.missions.navigated_robot import Played
 from acromovi.missions.task import Task
 from geometry import Point, Pose2D
 from p2os_emu.world.free_space import FreeSpace

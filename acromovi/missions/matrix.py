@@ -10,8 +10,9 @@ from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
 from typing import Generic, TypeVar
 
-from acromovi.missions.course import Course, Played
+from acromovi.missions.course import Course
 from acromovi.missions.judge import CRUISING, MissionVerdict, judge
+from acromovi.missions.navigated_robot import Played
 from acromovi.missions.task import Mission, NoRoom, Task
 from apps.indoor_navigation.component import Component
 from configs import ConfigError

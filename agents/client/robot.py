@@ -115,7 +115,7 @@ class Robot:
         if now - self._shown.get(application, -math.inf) < _SHOWN_EVERY:
             return
         self._shown[application] = now
-        with suppress(BusError):
+        with suppress(BusError):  # a picture is missing, and nothing else
             payload = overlay(words, points=points, lines=lines, frame=frame)
             self._thread.agent.bus.put(keys.OVERLAY.key(self.name, application), payload)
 

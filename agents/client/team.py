@@ -278,7 +278,7 @@ def _tuple(names: str | tuple[str, ...]) -> tuple[str, ...]:
 
 async def _stopped(container: Container, agent: Agent) -> None:
     """Stop an agent, unless it has ended."""
-    with suppress(UnknownAgent):
+    with suppress(UnknownAgent):  # it has ended by itself
         await container.stop(agent.name)
 
 

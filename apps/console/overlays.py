@@ -37,7 +37,7 @@ class OverlayWatch(Closeable):
         """Take an overlay; what is malformed is left out."""
         try:
             told = sample.decoded()
-        except MessageError:
+        except MessageError:  # of any program; the next one may be right
             return
         robot, suffix = keys.split(sample.key)
         now = self._clock()

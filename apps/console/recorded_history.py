@@ -45,7 +45,7 @@ class RecordedHistory:
                 found.slow.setdefault(sample.key, []).append(time_ns)
             try:
                 reader.take(sample, time_ns)
-            except MessageError:
+            except MessageError:  # a malformed message is part of the recording, and no part of the history
                 continue
         return found
 

@@ -189,7 +189,7 @@ def _merged(samples: Sequence[Recorded]) -> Recorded:
         messages = [decode(keys.SONAR.type_name, each.sample.payload) for each in samples]
         messages[-1].ranges = list({row.header.frame_id: row for each in messages for row in each.ranges}.values())
         payload = encode(messages[-1])
-    except MessageError:
+    except MessageError:  # as it was recorded; whoever reads it sees what is wrong
         return newest
     return newest._replace(sample=Sample(newest.sample.key, payload, newest.sample.encoding))
 

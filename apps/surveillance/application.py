@@ -106,7 +106,7 @@ def _watch(team: Team, manager: str, record: NightRecord, lasts: float) -> None:
     for now in team.every(_PERIOD):
         record.add(now, team.ask(manager, "status"))
         for event in team.ask(manager, "events", number=told):
-            told += 1
+            told = event["number"] + 1
             picture = event.get("picture")
             if picture:
                 record.pictures.setdefault(int(event["alarm"]), []).append(base64.b64decode(picture["data"]))

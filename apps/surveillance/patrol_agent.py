@@ -239,7 +239,7 @@ class PatrolAgent(Agent):
         picture = None
         camera = AgentName("camera", self.name.platform)
         if self._directory.knows(camera):
-            with suppress(BusError, TimeoutError):
+            with suppress(BusError, TimeoutError):  # the alarm counts without a picture as well
                 outcome = await self.request(camera, "picture", reply_within=PICTURE_TIME)
                 picture = outcome.result if outcome.is_done else None
         self.publish({**told, "x": round(x, 2), "y": round(y, 2), "picture": picture})

@@ -86,7 +86,7 @@ def _made(file: str, geometry: Mapping[str, Any], sensors: SensorPlaces, view: f
 async def _view(agent: Agent) -> float:
     """Return the field of view of the robot's camera, rad; 0 where it has none whose images are compared."""
     motion = AgentName(MOTION, agent.name.platform)
-    with suppress(TimeoutError, Refused, KeyError, TypeError, ValueError):
+    with suppress(TimeoutError, Refused, KeyError, TypeError, ValueError):  # there is none, or it does not know
         described = await agent.query(motion.description_key, timeout=_DESCRIPTION_TIME / 3.0)
         return float(described["properties"]["field_of_view"])
     return 0.0
@@ -168,8 +168,7 @@ class PatrolDuty:
                     return f"{self._robot_name} {why}"
             return working.result()
         finally:
-            working.cancel()
-            await asyncio.gather(working, return_exceptions=True)
+            await _ended(working)
 
     async def close(self) -> None:
         """Stop the robot, and subscribe to nothing any more."""
@@ -319,8 +318,7 @@ class PatrolDuty:
             if working.done():
                 working.result()
         finally:
-            working.cancel()
-            await asyncio.gather(working, return_exceptions=True)
+            await _ended(working)
 
     async def _pursue(self, place: Point, future: "asyncio.Future[dict[str, Any]]") -> None:
         """Drive to an intruder and stay near it, until it has not been seen for a while."""
@@ -363,3 +361,11 @@ class PatrolDuty:
         pose = self.senses.pose
         if pose is not None:
             self.plan.enter((pose.x, pose.y), self._loop.time())
+
+
+async def _ended(work: "asyncio.Future[Any]") -> None:
+    """Cancel what is not done, and wait for its end, with which it stops the robot."""
+    work.cancel()
+    await asyncio.wait([work])
+    if not work.cancelled():
+        work.exception()  # whoever needs it has taken the result; asyncio is not to complain besides

@@ -5,6 +5,7 @@ agents of each robot. Each of them serves in a conversation that the manager kee
 """
 
 import asyncio
+from collections import deque
 from collections.abc import Coroutine, Mapping, Sequence
 from contextlib import suppress
 from math import hypot
@@ -29,6 +30,7 @@ PERIOD = 0.5  # s between two looks at the team
 _PUBLISHED = 1.0  # s between two results
 _REPLY = 5.0  # s for an agent to answer
 _FOLLOWING = 600.0  # s for a follower to end; it ends by itself before
+_EVENTS = 1000  # newest ones that are kept; some have a picture
 _SAME_VISIT = 1.5  # s between two reports of one visit
 _ROOM_KINDS = ("Goal", "GoalWithHeading")
 
@@ -53,7 +55,7 @@ class PatrolManager(Agent):
         self.market = RoomMarket(self, self.members, self.tuned.auction)
         self.ledger: NeglectLedger | None = None
         self.alarms = TeamAlarms(self.tuned.alarm)
-        self.events: list[dict[str, Any]] = []
+        self.events: deque[dict[str, Any]] = deque(maxlen=_EVENTS)
         self._told: dict[tuple[str, int], TeamAlarm] = {}  # by robot and its number of the intruder
         self._tasks: set[asyncio.Task[None]] = set()
 
@@ -73,6 +75,7 @@ class PatrolManager(Agent):
         servings = [each.serving for each in self.members.values() if each.serving is not None]
         for task in list(self._tasks):
             task.cancel()
+        # One that fails is to keep no other from ending; its robot stops by the missing heartbeat.
         await asyncio.gather(*(each.cancel() for each in servings), *self._tasks, return_exceptions=True)
         self._directory.close()
         self._containers.close()
@@ -86,7 +89,7 @@ class PatrolManager(Agent):
     @request("events")
     async def events_since(self, number: int = 0) -> list[dict[str, Any]]:
         """Return what has happened from the event with this number on: number, time (s since 1970), text and more."""
-        return self.events[number : number + 20]
+        return [each for each in self.events if each["number"] >= number][:20]
 
     def state_of_patrol(self) -> dict[str, Any]:
         """Return what the results have."""
@@ -144,7 +147,8 @@ class PatrolManager(Agent):
             self.publish(self.state_of_patrol())
 
     def _tell(self, text: str, **more: Any) -> None:
-        self.events.append({"number": len(self.events), "time": self.home.wall_time(), "text": text, **more})
+        number = self.events[-1]["number"] + 1 if self.events else 0
+        self.events.append({"number": number, "time": self.home.wall_time(), "text": text, **more})
 
     def _begin(self, work: Coroutine[Any, Any, None]) -> None:
         task = asyncio.ensure_future(work)
@@ -260,11 +264,13 @@ class PatrolManager(Agent):
     async def _stop(self, robot: str) -> None:
         """Stop a robot whose agent may have died or frozen: its mission, and what its gateway does."""
         interface = AgentName(INTERFACE, robot)
-        with suppress(BusError, AgentError, TimeoutError):
+        with suppress(BusError, AgentError, TimeoutError):  # it may be what has died; the stop below needs no agent
             if self._directory.knows(interface):
                 await self.request(interface, "cancel", reply_within=_REPLY)
-        with suppress(BusError, AgentError, TimeoutError):
+        try:
             await self.query(keys.STOP.key(robot), timeout=_REPLY)
+        except (BusError, AgentError, TimeoutError):
+            self._tell(f"{robot} has not confirmed that it stands: its gateway does not answer", robot=robot)
 
     # Rooms.
 

@@ -176,7 +176,7 @@ class PatrolSenses(Closeable):
     def _places(self) -> dict[str, NearRobot]:
         now, found = self._loop.time(), {}
         for robot, (sample, at) in list(self._others.items()):
-            with suppress(MessageError, AttributeError):
+            with suppress(MessageError, AttributeError):  # no odometry; a robot that shares no pose is not known
                 place = sample.decoded().pose.pose.position
                 found[robot] = NearRobot(float(place.x), float(place.y), now - at)
         return found

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -11,6 +12,9 @@ from apps.surveillance.record import NightRecord, most_neglected
 from configs.extras import missing, require
 from geometry import Point
 from maps.building_map import BuildingMap
+
+if TYPE_CHECKING:  # slow to import, and only needed for pictures
+    from matplotlib.axes import Axes
 
 PAGE, FLOOR, NEGLECT = "report.md", "floor.png", "neglect.png"
 _COLOURS = ("#1f77b4", "#d9730d", "#4a9d2a", "#bd6794", "#9a40c2", "#8a8f98", "#17a2a2")
@@ -165,7 +169,7 @@ def draw_neglect(file: Path, record: NightRecord) -> None:
     save_picture(page, file)
 
 
-def _mark_alarms(axes: object, places: Sequence[Point]) -> None:
+def _mark_alarms(axes: "Axes", places: Sequence[Point]) -> None:
     for number, (x, y) in enumerate(places, 1):
-        axes.plot(x, y, "x", color="#b5382f", markersize=9, markeredgewidth=2.5)  # type: ignore[attr-defined]
-        axes.annotate(str(number), (x, y), color="#b5382f", fontsize=9)  # type: ignore[attr-defined]
+        axes.plot(x, y, "x", color="#b5382f", markersize=9, markeredgewidth=2.5)
+        axes.annotate(str(number), (x, y), color="#b5382f", fontsize=9)

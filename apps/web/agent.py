@@ -32,7 +32,7 @@ async def page_agent(
         ending.push_async_callback(container.close)
         may_command = False
         if not is_hidden:
-            with suppress(NotAllowed):
+            with suppress(NotAllowed):  # the role may look only, and so does the agent then
                 container.show()
                 await container.start(agent)
                 may_command = True

@@ -71,7 +71,7 @@ class PassageLeases:
                 self.holders.pop(name, None)
                 answer.set_result(True)
                 while lease.is_held and not end.is_set():
-                    with suppress(TimeoutError):
+                    with suppress(TimeoutError):  # time to look at the lease again
                         async with asyncio.timeout(CHECK_PERIOD):
                             await end.wait()
         except RequestNotDone as err:

@@ -146,7 +146,7 @@ class PathPlanning(Component):
         try:
             told = (await self.request(self._localization, "floor", reply_within=MAP_TIMEOUT)).value()
             floor = FloorMap.of_json(told)
-        except BusUnavailable:
+        except BusUnavailable:  # the container ends this component, and tells why
             raise
         except (RequestNotDone, ValueError) as err:
             self._complain("map", f"the map does not come: {err}; continues by the sensors alone")

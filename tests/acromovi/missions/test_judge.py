@@ -4,9 +4,9 @@ from itertools import pairwise
 
 import pytest
 
-from acromovi.missions.course import Played, Track
 from acromovi.missions.jobs import Condition
 from acromovi.missions.judge import judge
+from acromovi.missions.navigated_robot import Played, Track
 from acromovi.missions.task import Task
 from geometry import Pose2D
 from p2os_emu.world import WorldSpec

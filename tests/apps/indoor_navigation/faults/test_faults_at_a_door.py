@@ -6,7 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from acromovi.missions.course import Course, Played
+from acromovi.missions.course import Course
+from acromovi.missions.navigated_robot import Played
 from p2os_emu.world import load_world
 from tests.apps.indoor_navigation.faults.ten_processes import House
 from tests.apps.indoor_navigation.faults.test_missions_that_fail import BEHIND_THE_DOOR, TWO_ROOMS
