@@ -3,12 +3,17 @@
 A robot stops when its gateway, its agents or its commander do not run for half a second, and whoever asked for the
 motion is told so. A machine with more to do than it can keeps processes from running for that long now and then. What
 is asked of the product is that it says so and works the next time; one that interrupts by itself does it each time.
+
+A test that fails for this reason alone is therefore run again, fixtures of its own included, and listed at the end of
+the run. What fails for another reason fails at once.
 """
 
 import re
 from collections.abc import Callable
 from functools import wraps
 from typing import ParamSpec, TypeVar
+
+import pytest
 
 P = ParamSpec("P")
 T = TypeVar("T")
@@ -21,8 +26,19 @@ INTERRUPTED = re.compile(
 """What is said of a motion that was interrupted."""
 
 
+@pytest.hookimpl(tryfirst=True)  # before pytest-rerunfailures reads it
+def pytest_configure(config: pytest.Config) -> None:
+    """Run tests again that fail because they were interrupted, unless the command line says otherwise."""
+    if config.option.reruns is None:
+        config.option.reruns = TRIES - 1
+        config.option.only_rerun = [INTERRUPTED.pattern]
+
+
 def again_if_interrupted(act: Callable[P, T]) -> Callable[P, T]:
-    """Do it again, twice at most, if it fails because a motion was interrupted; it must begin from anew each time."""
+    """Do a part of a test again, twice at most, if a motion was interrupted, where the whole test would take long.
+
+    It must begin from anew each time.
+    """
 
     @wraps(act)
     def acting(*arguments: P.args, **named: P.kwargs) -> T:

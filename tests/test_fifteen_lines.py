@@ -6,7 +6,6 @@ from pathlib import Path
 
 import pytest
 
-from tests.interruptions import again_if_interrupted
 from tests.live_team import ROOT, live_team
 
 EXAMPLES = ROOT / "examples"
@@ -37,7 +36,6 @@ def test_a_program_for_students_has_at_most_fifteen_lines(program: str) -> None:
     assert len([line for line in written if line.strip()]) <= MOST_LINES
 
 
-@again_if_interrupted
 def test_programs_for_students_run_on_a_team_of_two(tmp_path: Path) -> None:
     with live_team(tmp_path, TEAM) as team:
         looked = team.run("python", str(EXAMPLES / "nearest.py"))

@@ -4,7 +4,6 @@ import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import fields
-from itertools import count
 from pathlib import Path
 
 import pytest
@@ -12,7 +11,6 @@ import pytest
 from agents.client.element import ElementClient
 from agents.client.robot import ELEMENTS
 from agents.client.sensors import Picture
-from tests.interruptions import again_if_interrupted
 from tests.live_team import LIMIT, ROOT, own_bus
 from tests.reader import Reader, links
 
@@ -31,16 +29,10 @@ def reading(folder: Path) -> Iterator[Reader]:
 
 
 def test_the_tutorial_can_be_followed(tmp_path: Path) -> None:
-    tries = count()
-
-    @again_if_interrupted
-    def follow() -> None:
-        with reading(tmp_path / f"try-{next(tries)}") as reader:
-            reader.follow(TUTORIAL)
-            assert reader.open.pop("acromovi promote wander.py").wait(LIMIT) == 0  # the page has stopped it
-            assert reader.end("acromovi up team.toml") == 130
-
-    follow()
+    with reading(tmp_path / "tutorial") as reader:
+        reader.follow(TUTORIAL)
+        assert reader.open.pop("acromovi promote wander.py").wait(LIMIT) == 0  # the page has stopped it
+        assert reader.end("acromovi up team.toml") == 130
 
 
 @pytest.mark.parametrize("part", ELEMENTS)

@@ -13,10 +13,7 @@ PICTURE = Path("picture.jpg")
 def _head(stage: SceneStage) -> None:
     stage.wait_for_element("ptz")
     stage.say(f"out of reach: {stage.is_refused(keys.LOOK, pan=3.0)}")
-    stage.tell(keys.LOOK, pan=0.5, tilt=0.2, zoom=2.0)
-    head = stage.see(
-        keys.PTZ, lambda head: abs(head.pan - 0.5) < 0.02 and not head.moving, "a head that got there", 20.0
-    )
+    head = stage.look(0.5, 0.2, 2.0)
     stage.say(f"pan {math.degrees(head.pan):+.1f} deg, tilt {math.degrees(head.tilt):+.1f} deg, zoom {head.zoom:.1f}")
 
 
@@ -25,8 +22,7 @@ def _camera(stage: SceneStage) -> None:
     PICTURE.write_bytes(bytes(first.data))
     stage.say(f"{len(first.data)} bytes of {first.format} from {stage.robots.robots[0]['camera_url']}, in {PICTURE}")
     stage.wait_for_element("ptz")
-    stage.tell(keys.LOOK, pan=0.6)
-    stage.see(keys.PTZ, lambda head: abs(head.pan - 0.6) < 0.02, "a head that got there", 20.0)
+    stage.look(0.6)
     second = stage.see(keys.CAMERA, lambda picture: bytes(picture.data) != bytes(first.data), "another picture")
     PICTURE.with_stem("picture-left").write_bytes(bytes(second.data))
     stage.say("the head looks to the left: the picture is another")

@@ -17,7 +17,10 @@ from bus.keys import Topic
 
 PATIENCE_S = 30.0  # a gateway connects in 2 s, at a load of ten for each core in 20 s
 DRIVING_PERIOD_S = 0.1
-LOST = "the robot is not connected"  # so the gateway refuses what it cannot pass on
+HELD_UP = ("the robot is not connected", "the gateway has just been frozen")
+"""Beginnings of what a gateway says that refuses a command because the machine keeps it from its work."""
+MOST_LOOKS = 3
+THERE = 0.02  # rad that a head may be off when it has got there
 
 
 class SceneFailed(Exception):
@@ -70,7 +73,7 @@ class SceneStage:
     def tell(self, topic: Topic, **arguments: Any) -> dict[str, Any]:
         """Give the robot a command; returns its answer.
 
-        A busy machine may lose the robot for a moment: that is waited for.
+        A busy machine may lose the robot for a moment, or freeze its gateway: that is waited for.
 
         Raises:
             Refused: It does not obey.
@@ -81,7 +84,7 @@ class SceneStage:
             try:
                 return self._tell(topic, arguments)
             except Refused as refusal:
-                if not refusal.why.startswith(LOST) or time.monotonic() > deadline:
+                if not refusal.why.startswith(HELD_UP) or time.monotonic() > deadline:
                     raise
                 time.sleep(0.1)
 
@@ -131,6 +134,22 @@ class SceneStage:
                 if wanted(message):
                     return message
         raise SceneFailed(f"{self.robot}/{topic.suffix}: {what or 'nothing'} did not come within {within:g} s")
+
+    def look(self, pan: float, tilt: float = 0.0, zoom: float = 1.0) -> Any:
+        """Turn the camera head, rad, and wait until it is there; returns what it tells then.
+
+        A gateway that a busy machine freezes has the head stop on its way, so it may be told more than once.
+
+        Raises:
+            Refused: It does not obey.
+            SceneFailed: It does not get there.
+        """
+        for _ in range(MOST_LOOKS):
+            self.tell(keys.LOOK, pan=pan, tilt=tilt, zoom=zoom)
+            head = self.see(keys.PTZ, lambda head: not head.moving, "a head at rest")
+            if max(abs(head.pan - pan), abs(head.tilt - tilt)) < THERE:
+                return head
+        raise SceneFailed(f"the head stopped short of its goal {MOST_LOOKS} times, at last at {head.pan:.2f} rad")
 
     def wait(self, condition: Callable[[], bool], what: str, within: float = PATIENCE_S) -> None:
         """Wait for something that the emulator shows.

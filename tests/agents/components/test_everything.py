@@ -15,7 +15,6 @@ from agents.client.robot import ELEMENTS
 from agents.components.all_components import COMPONENTS
 from cameras import picture_size
 from tests.agents.components.application import Application, application, container
-from tests.interruptions import again_if_interrupted
 from tests.waiting import waiting
 
 FIT = "gripper,laser,ptz:vcc4,arm,camera:64x48@10,gyro,compass,joystick"
@@ -98,7 +97,6 @@ def check_truth(truth: Mapping[str, Any], start: Mapping[str, Any]) -> None:
     assert truth["digital_out"] & 3 == 2
 
 
-@again_if_interrupted
 def test_every_element_tells_what_it_has_to_and_does_what_it_is_told(robot: str, tmp_path: Path) -> None:
     async def story(robots: EmulatedRobots) -> None:
         async with application(robot) as app:

@@ -7,7 +7,6 @@ import pytest
 from acromovi.children import EmulatedRobots, emulator, gateway
 from agents.platform import RequestNotDone
 from tests.agents.components.application import application, container
-from tests.interruptions import again_if_interrupted
 from tests.waiting import waiting
 
 ELEMENTS = {"base", "sonar", "battery", "io", "sound"}
@@ -20,7 +19,6 @@ async def has_come_to_rest(robots: EmulatedRobots) -> None:
             await asyncio.sleep(0.05)
 
 
-@again_if_interrupted
 def test_agents_go_with_a_gateway_that_is_killed_and_come_back_with_the_next(robot: str) -> None:
     async def story(robots: EmulatedRobots) -> None:
         async with application(robot) as app:

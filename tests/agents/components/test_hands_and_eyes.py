@@ -10,7 +10,6 @@ import pytest
 from acromovi.children import EmulatedRobots, emulator, gateway
 from cameras import picture_size
 from tests.agents.components.application import Application, application, container
-from tests.interruptions import again_if_interrupted
 
 NEEDED = {"base", "gripper", "ptz", "camera"}
 TO_THE_BOX = 1.0  # m
@@ -30,7 +29,6 @@ async def look_round(robot: Application) -> dict[str, Any]:
     return await robot.ask("camera", "picture")
 
 
-@again_if_interrupted
 def test_robot_takes_a_box_and_shows_what_it_sees_by_requests_alone(robot: str) -> None:
     async def story(robots: EmulatedRobots) -> None:
         async with application(robot) as app:
