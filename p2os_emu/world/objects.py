@@ -8,6 +8,9 @@ from p2os_emu.world.collision import build_object, build_object_floor, heading_o
 from p2os_emu.world.engine import PhysicsClient
 from p2os_emu.world.movable import Movable
 
+STANDING = 0.005  # m/s or rad/s; an object that moves no faster stands
+LOOKS_AT_REST = 10  # looks in a row that find all objects standing, until they count as being at rest
+
 
 class MovingObject(NamedTuple):
     """Something that may be elsewhere after the next step, as planar sensors meet it.
@@ -38,6 +41,7 @@ class Objects:
     def __init__(self, client: PhysicsClient, movables: Iterable[Movable]) -> None:
         self._client = client
         self._by_id = {build_object(client, movable): movable for movable in movables}
+        self._looks_at_rest = 0
         if self._by_id:
             build_object_floor(client)
 
@@ -64,6 +68,15 @@ class Objects:
             half = movable.height / 2
             footprint = movable.footprint(Pose2D(place.x, place.y, place.heading))
             yield MovingObject(movable.name, footprint, place.z - half, place.z + half, movable.reflector)
+
+    def are_at_rest(self) -> bool:
+        """Whether no object moves, nor has moved in the last `LOOKS_AT_REST` calls; one that tips begins slowly."""
+        self._looks_at_rest = self._looks_at_rest + 1 if all(map(self._stands, self._by_id)) else 0
+        return self._looks_at_rest >= LOOKS_AT_REST or not self._by_id
+
+    def _stands(self, body: int) -> bool:
+        linear, angular = self._client.getBaseVelocity(body)
+        return all(abs(speed) < STANDING for speed in (*linear, *angular))
 
     def circles(self) -> Iterator[tuple[float, float, float]]:
         """What each object takes up on the floor: x, y, radius, m."""

@@ -25,7 +25,7 @@ from p2os_emu.world.links import FIRST, joined
 from p2os_emu.world.magnets import Magnet, field_at
 from p2os_emu.world.objects import Objects
 from p2os_emu.world.planar import PlanarScene
-from p2os_emu.world.rays import cast
+from p2os_emu.world.rays import Hit, Place, cast
 from p2os_emu.world.sonar import SonarRays
 from p2os_emu.world.spec import Block
 from p2os_emu.world.touches import Bumper
@@ -50,6 +50,7 @@ class RobotBody:
     _looks_at_rest = 0
     arm: ArmMechanism | None = None
     touched: Collection[int] = ()
+    _echoes: dict[tuple[int, ...], tuple[Sequence[Place], Sequence[Hit]]] | None = None
 
     def __init__(
         self,
@@ -157,8 +158,23 @@ class RobotBody:
         Returns:
             One range per disc, m from the disc's face; `inf` where no echo came back, and for a disc not fitted.
         """
+        if self._echoes is None:
+            ends, hits = self._cast(discs)
+        else:
+            fired = tuple(discs)
+            if fired not in self._echoes:
+                self._echoes[fired] = self._cast(discs)
+            ends, hits = self._echoes[fired]
+        return self._sonar.hear(discs, ends, hits)
+
+    def keep_echoes(self, on: bool) -> None:
+        """Let sonar meet what it met before, since nothing moves any more, or cast its rays anew each time."""
+        self._echoes = {} if on else None
+
+    def _cast(self, discs: Sequence[int]) -> tuple[Sequence[Place], Sequence[Hit]]:
+        """Return the ends of the rays of discs, m in the world, and what they meet."""
         starts, ends = self._sonar.rays(discs, self.pose)
-        return self._sonar.hear(discs, ends, cast(self._client, starts, ends, self.body_id))
+        return ends, cast(self._client, starts, ends, self.body_id)
 
     def scan(self, beams: ScanBeams) -> Echoes:
         """Look along the beams of a planar scanner; its noise comes on top, unless the world is perfect."""

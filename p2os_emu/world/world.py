@@ -44,7 +44,8 @@ class World:
 
     The same spec, seed and calls give bit-identical states, and each World is apart from all others in the process.
 
-    rest_parked: robots that are parked are not computed until they are driven or touched.
+    rest_parked: robots that are parked are not computed until they are driven or touched. While all of them are, and
+    nothing else moves, the engine computes nothing.
     """
 
     def __init__(self, spec: WorldSpec, *, seed: int = 0, perfect: bool = False, gui: bool = False) -> None:
@@ -68,6 +69,7 @@ class World:
         self._has_overhangs = any(block.bottom > 0.0 for block in (*spec.walls, *spec.furniture))
         self._robots: dict[str, RobotBody] = {}
         self.rest_parked = True
+        self._is_still = False  # nothing moves, and nothing will until a robot wakes up
         self._moving: tuple[MovingObject, ...] | None = None
         self._has_window = gui
         self._client = open_physics(gui)
@@ -168,6 +170,7 @@ class World:
         self._names[robot.body_id] = name
         self._touches[name] = TouchLog()
         self._moving = None
+        self._set_still(False)
         self._show(robot.body_id, robot_looks(name, chassis, robot.links, target_of(fit)))
         return robot
 
@@ -183,9 +186,14 @@ class World:
         self._client.removeBody(robot.body_id)
         del self._robots[name], self._names[robot.body_id], self._touches[name]
         self._moving = None
+        self._set_still(False)
 
     def step(self) -> None:
         """Let `STEP` seconds pass."""
+        rests = all(robot.is_resting for robot in self._robots.values())
+        if rests and self._is_still:
+            self.steps += 1
+            return
         if self._bystanders:
             self._bystanders.step(
                 lambda: (Footprint.of(robot.chassis.footprint(robot.pose)) for robot in self._robots.values()),
@@ -204,6 +212,8 @@ class World:
                     robot.rest_if_parked()
             if robot.touched:
                 self._touches[name].note(self.time, {self._names[body] for body in robot.touched})
+        # Not before the engine has put to sleep whoever has just been parked: it takes a step to wake them.
+        self._set_still(is_look_due and rests and self._stands_still())
 
     def truth(self, name: str) -> Truth:
         """Where a robot truly is.
@@ -265,6 +275,7 @@ class World:
         self._check_free(name, robot.chassis, pose)
         robot.move_to(pose)
         self._moving = None
+        self._set_still(False)
 
     def close(self) -> None:
         """End the world; no robot of it can be used any more. Closing twice does nothing."""
@@ -293,6 +304,18 @@ class World:
 
     def __exit__(self, *_: object) -> None:
         self.close()
+
+    def _set_still(self, on: bool) -> None:
+        if on != self._is_still:
+            self._is_still = on
+            for robot in self._robots.values():
+                robot.keep_echoes(on)
+
+    def _stands_still(self) -> bool:
+        """Tell whether nothing can move before a robot wakes up; in a window, the mouse moves things."""
+        if self._bystanders or self._has_window or not all(robot.is_resting for robot in self._robots.values()):
+            return False
+        return self.objects.are_at_rest()
 
     def _robot(self, name: str) -> RobotBody:
         try:

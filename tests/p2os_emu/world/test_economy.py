@@ -9,6 +9,7 @@ from geometry import Pose2D
 from p2os import RobotModel
 from p2os_emu.fit import Fit
 from p2os_emu.world import World, WorldSpec, load_world
+from p2os_emu.world.movable import Movable, Shape
 from p2os_emu.world.robot_body import RobotBody
 from p2os_emu.world.spec import Block
 
@@ -147,3 +148,77 @@ def test_a_gripper_of_a_robot_that_rests_closes_when_it_is_told_to(world: World)
     run(world, 4.0)
     assert was_resting
     assert (robot.gripper.state.opening, robot.gripper.state.lift) == pytest.approx((0.0, 1.0), abs=0.05)
+
+
+class EngineSteps:
+    """Counts what the engine computes of a world."""
+
+    def __init__(self, world: World, monkeypatch: pytest.MonkeyPatch) -> None:
+        self.count = 0
+        step = world._client.stepSimulation
+
+        def counted() -> None:
+            self.count += 1
+            step()
+
+        monkeypatch.setattr(world._client, "stepSimulation", counted, raising=False)
+
+    def during(self, world: World, seconds: float) -> int:
+        before = self.count
+        run(world, seconds)
+        return self.count - before
+
+
+def test_where_nothing_moves_the_engine_computes_nothing_and_time_goes_on(
+    world: World, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    engine = EngineSteps(world, monkeypatch)
+    first = add(world, "first", 0.0)
+    add(world, "second", 3.0)
+    run(world, PARKED + 0.5)
+    began = world.time
+    assert engine.during(world, 2.0) == 0
+    assert world.time - began == pytest.approx(2.0)
+    first.drive(0.3, 0.3)
+    assert engine.during(world, 1.0) == 120
+    assert first.pose.x > 0.2
+
+
+def test_a_world_with_people_is_always_computed(monkeypatch: pytest.MonkeyPatch) -> None:
+    with World(load_world("people-lab"), seed=1) as lab:
+        engine = EngineSteps(lab, monkeypatch)
+        run(lab, 1.0)
+        assert engine.during(lab, 1.0) == 120
+
+
+def test_a_box_that_was_pushed_stays_where_it_came_to_rest_and_is_pushed_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    box = Movable("box", Shape.BOX, Pose2D(0.6, 0.0, 0.0), 0.2, 0.2, 0.2, 0.5, 0.5, "red")
+    with World(WorldSpec("box", objects=(box,)), seed=3) as world:
+        engine = EngineSteps(world, monkeypatch)
+        robot = add(world, "happy", 0.0)
+        run(world, PARKED + 0.5)
+        robot.drive(0.4, 0.4)
+        run(world, 2.0)
+        robot.drive(0.0, 0.0)
+        assert engine.during(world, 1.0) == 120
+        run(world, PARKED + 3.0)
+        lies = world.object_places()["box"]
+        assert lies.x > 0.8
+        assert engine.during(world, 2.0) == 0
+        robot.drive(0.4, 0.4)
+        run(world, 1.0)
+        assert world.object_places()["box"].x > lies.x
+
+
+def test_sonar_of_robots_that_rest_hears_at_once_what_is_put_before_it(world: World) -> None:
+    robot, other = add(world, "happy", 0.0), add(world, "other", 3.0)
+    ahead = list(range(8))
+    run(world, PARKED + 0.5)
+    before = min(robot.ping(ahead))
+    assert min(robot.ping(ahead)) == pytest.approx(before, abs=0.3), "with noise of its own each time"
+    world.place("other", Pose2D(1.2, 0.0, 0.0))
+    assert min(robot.ping(ahead)) < before - 1.0
+    assert not other.is_resting
+    run(world, PARKED + 0.5)
+    world.remove_robot("other")
+    assert min(robot.ping(ahead)) > before
