@@ -136,6 +136,7 @@ class PatrolManager(Agent):
             "y": round(alarm.place[1], 2),
             "room": self._nearest_room(alarm.place),
             "follower": alarm.follower or None,
+            "may_be": list(alarm.may_be),
         }
 
     def _nearest_room(self, place: Point) -> str | None:
@@ -298,6 +299,7 @@ class PatrolManager(Agent):
         member.state, member.heard = told, now
         if not member.serves:
             return
+        member.is_lost = told.get("pose") is None
         if not member.has_joined:
             member.has_joined = True
             self.ledger = self.ledger or NeglectLedger(self.places, now)
@@ -325,11 +327,17 @@ class PatrolManager(Agent):
         self._told[robot, int(told["intruder"])] = alarm
         if alarm.follower not in ("", robot):
             self._begin(self._pass_on(alarm))
-        if is_new:
-            where = f"({place[0]:.1f}, {place[1]:.1f}), near {self._nearest_room(place)}"
-            self._tell(
-                f"alarm {alarm.number}: {robot} sees an intruder by {alarm.sensor} at {where}", alarm=alarm.number
-            )
+        lost = tuple(sorted(name for name, each in self.members.items() if each.is_lost and name != robot))
+        where = (
+            f"{robot} sees %s by {alarm.sensor} at ({place[0]:.1f}, {place[1]:.1f}), near {self._nearest_room(place)}"
+        )
+        if is_new and lost:
+            alarm.may_be = lost
+            text = f"{where % 'something'}; it may be {' or '.join(lost)}, which is not localized, so nobody follows it"
+            self._tell(f"alarm {alarm.number}: {text}", alarm=alarm.number)
+        elif is_new or (alarm.may_be and not lost):
+            alarm.may_be = ()
+            self._tell(f"alarm {alarm.number}: {where % 'an intruder'}", alarm=alarm.number)
             self._begin(self._send_follower(alarm))
 
     def _take_picture(self, robot: str, told: Mapping[str, Any]) -> None:

@@ -21,7 +21,7 @@ class PatrolMember:
 
     serving: the conversation in which it serves. state: its latest, with `heard`, s of the loop's time. trouble: why it
     does not serve. again: s of the loop's time when it is asked again. begins: it is being asked. has_joined: it has
-    reported in this conversation.
+    reported in this conversation. is_lost: its localization has lost it, so it may be what others see.
     """
 
     serving: Request | None = None
@@ -31,6 +31,7 @@ class PatrolMember:
     again: float = 0.0
     begins: bool = False
     has_joined: bool = False
+    is_lost: bool = False
 
     @property
     def serves(self) -> bool:

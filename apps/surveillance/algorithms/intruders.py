@@ -112,7 +112,11 @@ class IntruderWatch:
 
 @dataclass(slots=True)
 class TeamAlarm:
-    """An intruder as the team knows it. time: s of the first alarm. place: the latest, m in `map`. seen_at: s."""
+    """An intruder as the team knows it.
+
+    time: s of the first alarm. place: the latest, m in `map`. seen_at: s. may_be: robots of the team that it may be,
+    because nobody knows where they are.
+    """
 
     number: int
     time: float
@@ -121,6 +125,7 @@ class TeamAlarm:
     place: Point
     seen_at: float
     follower: str = ""
+    may_be: tuple[str, ...] = ()
 
 
 class TeamAlarms:

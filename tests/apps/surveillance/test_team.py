@@ -180,6 +180,19 @@ def test_an_intruder_raises_one_alarm_and_the_nearest_robot_follows_it(make: Mak
     assert course.run_until(lambda: follower in {each.robot for each in visits(course)[count:]}, 60.0)
 
 
+def test_while_a_robot_is_lost_an_alarm_says_that_it_may_be_that_robot_and_nobody_follows(make: Make) -> None:
+    course = make(PlayedIntruder(((1.2, 4.8), (2.6, 4.2)), 80.0, 0.05), scan_s=0.2)
+    course.robots["doc"].is_lost = True
+    assert course.run_until(lambda: bool(course.manager.alarms.alarms), 200.0)
+    course.run(1.0)
+    (alarm,) = course.manager.state_of_patrol()["alarms"]
+    assert (alarm["may_be"], alarm["follower"]) == (["doc"], None)
+    assert any("it may be doc, which is not localized" in text for text in told(course))
+    course.robots["doc"].is_lost = False
+    assert course.run_until(lambda: bool(course.manager.state_of_patrol()["alarms"][0]["follower"]), 40.0)
+    assert course.manager.state_of_patrol()["alarms"][0]["may_be"] == []
+
+
 def test_robots_that_meet_raise_no_alarm(make: Make) -> None:
     course = make(scan_s=0.5, starts={"happy": HAPPY, "doc": Pose2D(2.6, 1.2, 3.1)})
     course.run(40.0)
