@@ -16,6 +16,10 @@ NO_UART = "0"
 """Of a /dev/ttyS* behind which there is no chip; Linux makes some of these on every computer."""
 EMULATOR_COMMANDS = ("p2os-emu", "p2os_emu")
 PTY_OPTION = "--pty"
+PTY_MAJORS = range(136, 144)
+"""Of the device numbers of pseudo-terminals."""
+TERMINAL_FIELD = 4
+"""Of /proc/PID/stat after the name of the program: the number of its controlling terminal."""
 LONGEST_COMMAND = 80
 """Characters of a command line that are shown."""
 
@@ -43,6 +47,20 @@ def holders(path: str) -> list[_Holder]:
         return []
     own = os.getpid()
     return [_Holder(pid, _command(pid)) for pid in _processes() if pid != own and device.st_rdev in _open_devices(pid)]
+
+
+def user_of_terminal(path: str) -> _Holder | None:
+    """Return a program that runs in the pseudo-terminal at this path; None where nobody works in it.
+
+    The numbers of pseudo-terminals are used again: where an emulated robot was, a person's window may be now.
+    """
+    try:
+        number = Path(path).stat().st_rdev
+    except OSError:
+        return None
+    if os.major(number) not in PTY_MAJORS:
+        return None
+    return next((_Holder(pid, _command(pid)) for pid in _processes() if _terminal(pid) == number), None)
 
 
 def candidates() -> list[str]:
@@ -76,6 +94,16 @@ def _open_devices(pid: int) -> set[int]:
     except OSError:  # another user's, or it has just ended
         pass
     return found
+
+
+def _terminal(pid: int) -> int | None:
+    """Return the device number of the controlling terminal of a process; None without one."""
+    try:
+        told = (PROC / str(pid) / "stat").read_text(encoding="utf-8", errors="replace")
+    except OSError:  # it has just ended
+        return None
+    number = int(told.rpartition(")")[2].split()[TERMINAL_FIELD])
+    return os.makedev(number >> 8 & 0xFFF, number & 0xFF | number >> 12 & 0xFFF00) if number else None
 
 
 def _arguments(pid: int) -> list[str]:

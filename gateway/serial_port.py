@@ -20,6 +20,7 @@ from urllib.parse import urlsplit
 import serial
 
 from gateway.errors import ExitCode, GatewayError, NoSuchPort, PortBusy, PortLost
+from gateway.local_ports import user_of_terminal
 
 READ_SIZE = 4096
 SOCKET = "socket"
@@ -112,6 +113,8 @@ class _DevicePort(Port):
 
     def __init__(self, path: str) -> None:
         self.name = path
+        if (user := user_of_terminal(path)) is not None:  # whose keys would be read as bytes of a robot
+            raise _not_a_port(f"{path} is the terminal in which {user} runs")
         # Opened twice, so that the rate which the last client left is seen before pyserial sets its own.
         probe = _open_device(path)
         try:

@@ -1,6 +1,10 @@
 """A robot, a driver and the cable between them, under one virtual clock."""
 
+import os
+import pty
 import random
+import subprocess
+import sys
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from math import inf
@@ -139,3 +143,21 @@ def bus() -> Iterator[Bus]:
 def name(robot: str) -> str:
     """The robot's name, for tests in which `robot` is the command line that makes one."""
     return robot
+
+
+@pytest.fixture
+def terminal() -> Iterator[tuple[str, int]]:
+    """The path of a terminal in which a program runs, as a person's shell does, and the program's number."""
+    master, slave = pty.openpty()
+    path = os.ttyname(slave)
+    # The first terminal that the leader of a session opens becomes its own.
+    runs = "import os, sys, time; os.open(sys.argv[1], os.O_RDWR); print(1, flush=True); time.sleep(60)"
+    with subprocess.Popen(
+        [sys.executable, "-c", runs, path], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, start_new_session=True
+    ) as process:
+        assert process.stdout is not None
+        process.stdout.readline()
+        yield path, process.pid
+        process.kill()
+    os.close(master)
+    os.close(slave)

@@ -8,7 +8,7 @@ import pytest
 
 from acromovi import doctor
 from gateway import local_ports
-from gateway.local_ports import candidates, holders
+from gateway.local_ports import candidates, holders, user_of_terminal
 
 HOLD = "import os, sys, time; os.open(sys.argv[1], os.O_RDWR | os.O_NOCTTY); print(1, flush=True); time.sleep(60)"
 LOCK = "import fcntl, os, sys, time; fcntl.flock(os.open(sys.argv[1], os.O_RDWR | os.O_NOCTTY), fcntl.LOCK_EX); "
@@ -35,6 +35,21 @@ def test_free_port_has_no_holder_and_neither_has_a_missing_one(tmp_path: Path) -
     assert holders(str(tmp_path / "ttyUSB0")) == []
     os.close(master)
     os.close(slave)
+
+
+def test_terminal_in_which_somebody_works_is_told_from_the_port_of_an_emulated_robot(
+    terminal: tuple[str, int],
+) -> None:
+    path, pid = terminal
+    user = user_of_terminal(path)
+    assert user is not None
+    assert user.pid == pid
+    master, slave = pty.openpty()
+    assert user_of_terminal(os.ttyname(slave)) is None
+    os.close(master)
+    os.close(slave)
+    assert user_of_terminal("/dev/null") is None
+    assert user_of_terminal("/dev/ttyUSB99") is None
 
 
 def test_doctor_names_the_process_that_holds_a_busy_port() -> None:

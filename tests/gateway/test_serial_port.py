@@ -185,3 +185,11 @@ def test_forbidden_port_names_the_group_to_join(tmp_path: Path, monkeypatch: pyt
 )
 def test_address_where_nothing_answers_is_no_such_port(url: str) -> None:
     assert url in refusal(NoSuchPort, url, ExitCode.NO_PORT)
+
+
+def test_a_terminal_in_which_somebody_works_is_no_port(terminal: tuple[str, int]) -> None:
+    """A robot's pseudo-terminal may be gone, and its number be that of a person's window."""
+    path, pid = terminal
+    with pytest.raises(GatewayError, match=rf"{path} is the terminal in which process {pid} .* runs") as caught:
+        open_port(path)
+    assert caught.value.exit_code is ExitCode.NOT_A_PORT
