@@ -41,7 +41,7 @@ class _FaultsPage:
                     self._choice = ui.select([], label="Fault", with_input=True, on_change=self._describe)
                     self._meaning = ui.label().classes("c-quiet")
                     self._robot = ui.select([], label="Robot")
-                    self._form = ui.element("div").classes("c-form")
+                    self._form = ui.element("div").classes("c-form c-wide")
                     self._inject = ui.button("Inject", on_click=self._begin).props("dense no-caps")
                 with panel("Faults of this run"):
                     self._list = ui.element("ul").classes("c-plain c-runs")
@@ -114,7 +114,8 @@ class _FaultsPage:
         )
         with self._form:
             for name, meaning in about["parameters"].items():
-                self._fields[name] = ui.input(name, placeholder=str(meaning)).props("dense stack-label")
+                field = self._fields[name] = ui.input(name).props("dense stack-label bottom-slots")
+                field.props["hint"] = str(meaning)  # below it, where long words are not cut
 
     async def _begin(self) -> None:
         name, robot = str(self._choice.value), self._robot.value
