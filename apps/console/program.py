@@ -113,6 +113,7 @@ class Console:
             self.emulator,
             self.settings.map,
             self.may_command,
+            self.replay.missions if self.replay is not None else None,
         )
         tasks = [self._watch_drivers(), self._sample(), self.map.run()]
         tasks += [self._recall()] if self.replay is None else [self.replay.run(), self._begin_replay(self.replay)]

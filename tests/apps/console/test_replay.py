@@ -14,7 +14,16 @@ from apps.console.robots import RobotWatch
 from bus import MemoryBus, MemoryNetwork, keys
 from bus.messages import NS_PER_S
 from recorder.recording import McapRecording
-from tests.apps.console.recordings import ESTOP_AT, GONE_AT, LEASE_AT, recorded_drive
+from tests.apps.console.recordings import (
+    ESTOP_AT,
+    GOAL,
+    GOAL_AT,
+    GONE_AT,
+    LEASE_AT,
+    THERE_AT,
+    WAY_AT,
+    recorded_drive,
+)
 from tests.recorder.recordings import START
 
 
@@ -33,13 +42,33 @@ def test_the_history_has_events_at_their_times_and_paths_until_any_time(recordin
         (LEASE_AT, "lease", "happy"),
         (ESTOP_AT, "e-stop", "happy"),
         (ESTOP_AT + 1.0, "e-stop", "happy"),
+        (WAY_AT, "mission", "happy"),
+        (WAY_AT, "mission", "happy"),
         (GONE_AT, "connection", "max"),
+        (THERE_AT, "mission", "happy"),
     ]
     path = history.paths_until(START + 4 * NS_PER_S)["happy"]
     assert path[0] == (0.0, 0.0)
     assert path[-1] == pytest.approx((0.4, 0.2))
     assert keys.STATE.key("happy") in history.slow
     assert keys.ODOM.key("happy") not in history.slow
+
+
+def test_the_history_has_the_missions_at_any_time(recording: McapRecording) -> None:
+    history = RecordedHistory.of(recording)
+
+    def mission(at: float) -> dict[str, Any]:
+        return history.missions.at(START + round(at * NS_PER_S))["happy"]
+
+    assert history.missions.at(START) == {}
+    told = mission(GOAL_AT + 0.1)
+    assert (told["goal"], told["route"], told["state"], told["mission"]) == ([*GOAL, None], [], "told", "m1")
+    under_way = mission(WAY_AT + 0.1)
+    assert under_way["route"] == [[0.6, 0.3], [1.2, 0.9], list(GOAL)]
+    assert (under_way["goal"], under_way["state"], under_way["why"]) == ([*GOAL, None], "going", "the way leads ahead")
+    there = mission(THERE_AT + 0.1)
+    assert (there["goal"], there["route"], there["state"], there["why"]) == (None, [], "done", "there, after 2.2 m")
+    assert mission(GOAL_AT + 0.1) == told, "a jump back shows what was then"
 
 
 def test_a_jump_shows_what_stood_there_and_a_paused_replay_holds_it(recording: McapRecording) -> None:
