@@ -11,9 +11,13 @@ import pytest
 from apps.console.recorded_history import RecordedHistory
 from apps.console.replay import Replay
 from apps.console.robots import RobotWatch
+from apps.indoor_navigation.component import send_key
+from apps.indoor_navigation.data import GoalPoint, LogMessage, WorldCoord
 from bus import MemoryBus, MemoryNetwork, keys
 from bus.messages import NS_PER_S
+from recorder.recorder import Recorder
 from recorder.recording import McapRecording
+from recorder.writer import RecordingWriter
 from tests.apps.console.recordings import (
     ESTOP_AT,
     GOAL,
@@ -69,6 +73,23 @@ def test_the_history_has_the_missions_at_any_time(recording: McapRecording) -> N
     there = mission(THERE_AT + 0.1)
     assert (there["goal"], there["route"], there["state"], there["why"]) == (None, [], "done", "there, after 2.2 m")
     assert mission(GOAL_AT + 0.1) == told, "a jump back shows what was then"
+
+
+def test_what_the_navigation_sends_is_recorded_and_found_again(tmp_path: Path) -> None:
+    goal = GoalPoint("m1", 2.0, 1.0)
+    path = tmp_path / "sent.mcap"
+    network = MemoryNetwork()
+    with MemoryBus(network) as robot, Recorder(MemoryBus(network), ["happy/**"], RecordingWriter(path, "test")):
+        for receiver, sent in (
+            ("path_planning", goal),
+            ("goto", WorldCoord(1.0, 1, "go", 2.0, 1.0, path=(0.5, 0.5))),
+            ("user_interface", LogMessage(1.0, "path_planning", "m1", "info", "going: the way leads ahead")),
+        ):
+            robot.put(send_key("happy", receiver, type(sent)), sent.to_json())
+    with McapRecording.open([path]) as recording:
+        mission = RecordedHistory.of(recording).missions.at(recording.end_ns)["happy"]
+    assert (mission["goal"], mission["route"]) == ([2.0, 1.0, None], [[0.5, 0.5], [2.0, 1.0]])
+    assert (mission["mission"], mission["state"]) == ("m1", "going")
 
 
 def test_a_jump_shows_what_stood_there_and_a_paused_replay_holds_it(recording: McapRecording) -> None:
