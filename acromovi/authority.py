@@ -19,7 +19,14 @@ from typing import Self
 from cryptography import x509
 from cryptography.hazmat.primitives import hashes
 from cryptography.hazmat.primitives.asymmetric import ec
-from cryptography.hazmat.primitives.serialization import Encoding, NoEncryption, PrivateFormat, load_pem_private_key
+from cryptography.hazmat.primitives.serialization import (
+    BestAvailableEncryption,
+    Encoding,
+    NoEncryption,
+    PrivateFormat,
+    load_pem_private_key,
+)
+from cryptography.hazmat.primitives.serialization.pkcs12 import serialize_key_and_certificates
 from cryptography.x509.oid import ExtendedKeyUsageOID, NameOID
 
 from bus.errors import BusError
@@ -164,6 +171,26 @@ def issued(folder: Path) -> list[_Issued]:
     _authority(folder)
     found = [(owner, _certificate(folder / owner / CERTIFICATE)) for owner in _owners(folder)]
     return [_Issued(owner, each.not_valid_after_utc, _hosts(each)) for owner, each in found]
+
+
+def exported(folder: Path, owner: str, file: Path, password: bytes) -> None:
+    """Write the key of an owner and its certificates to a new PKCS #12 file, which its owner alone can read.
+
+    Raises:
+        KeysError: There is no such key, it is damaged, or the file is there already.
+        OSError: The files cannot be read or written.
+    """
+    if owner not in _owners(folder):
+        raise KeysError(f"there is no key {owner} in {folder}; there are: {', '.join(_owners(folder)) or 'none'}")
+    own = folder / owner
+    if file.exists():
+        raise KeysError(f"{file} is there already, and its password is stored nowhere; remove it to make it anew")
+    authority = [_certificate(own / CA)]
+    key, certificate = _private_key(own / PRIVATE_KEY), _certificate(own / CERTIFICATE)
+    _write(
+        file,
+        serialize_key_and_certificates(owner.encode(), key, certificate, authority, BestAvailableEncryption(password)),
+    )
 
 
 def _authority(folder: Path) -> Path:

@@ -31,10 +31,14 @@ examples:
   acromovi console --password
       write the password that is asked for when the console is served to other computers
   acromovi console --host 0.0.0.0
+  acromovi console --host 0.0.0.0 --certificate keys/router.lab
+      encrypted; a browser with the certificate of an operator may drive, one with that of a viewer may look, and one
+      without is asked for the password, if there is one
 
 The console needs no team to be running: robots are shown as they come and go. It can be opened on this computer only,
-unless --host is given; then it asks for the password. A robot that is driven from a page stops when the key is
-released, and when the page, its browser or the network is gone.
+unless --host is given; then it asks for the password, or with --certificate for a certificate, which
+`acromovi keys export` writes for a browser. A robot that is driven from a page stops when the key is released, and
+when the page, its browser or the network is gone.
 
 Exit codes: 1 the port is in use, or a file cannot be used (the reason is on stderr), 2 wrong usage, 130 stopped by
 Ctrl-C, 143 by SIGTERM; robots that are driven from a page stop in every case.
@@ -61,6 +65,12 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--password-file", metavar="FILE", type=Path, default=password_file(), help="file of the password [%(default)s]"
     )
+    parser.add_argument(
+        "--certificate",
+        metavar="FOLDER",
+        type=Path,
+        help="serve by TLS with this router's key, and let browsers in by their certificates",
+    )
     parser.add_argument("--json", action="store_true", help='print one line of JSON once it serves: {"console": URL}')
     add_apps(parser)
     add_bus(parser)
@@ -83,10 +93,13 @@ def _run(arguments: argparse.Namespace) -> int:
     if arguments.password:
         return _write_password(arguments.password_file)
     from apps.web.access import PasswordHash, Sessions
+    from apps.web.certificates import PageCertificate
     from apps.web.origin import LOOPBACK
 
+    certificate = PageCertificate.read(arguments.certificate) if arguments.certificate else None
     is_open = arguments.host not in LOOPBACK
-    password = PasswordHash.read(arguments.password_file) if is_open else None
+    needs_password = arguments.password_file.exists() if certificate is not None else is_open
+    password = PasswordHash.read(arguments.password_file) if needs_password else None
     from acromovi.floor_plan import floor_plan, floor_plan_of_team, starts_of_team
     from apps.console.program import ConsoleInputs
     from apps.console.server import serve
@@ -103,7 +116,7 @@ def _run(arguments: argparse.Namespace) -> int:
         listener = stack.enter_context(listening(arguments.host, arguments.port))
         recording = stack.enter_context(_recording(arguments.replay)) if arguments.replay else None
         bus: Bus = stack.enter_context(MemoryBus() if recording is not None else ZenohBus.open(arguments.bus))
-        url = address(listener, arguments.host)
+        url = address(listener, arguments.host, "https" if certificate is not None else "http")
         words = json.dumps({"console": url}) if arguments.json else f"console: {url} (Ctrl-C ends it)"
 
         async def hold() -> None:
@@ -115,7 +128,15 @@ def _run(arguments: argparse.Namespace) -> int:
 
                 replay = stack.enter_context(Replay(recording, bus))
             await serve(
-                bus, settings, inputs, sessions, listener, arguments.host, lambda: print(words, flush=True), replay
+                bus,
+                settings,
+                inputs,
+                sessions,
+                listener,
+                arguments.host,
+                lambda: print(words, flush=True),
+                replay,
+                certificate,
             )
 
         asyncio.run(hold())

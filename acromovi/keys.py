@@ -2,6 +2,7 @@
 
 import argparse
 import json
+import secrets
 import sys
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
@@ -30,6 +31,8 @@ examples:
       for the gateway of the robot happy: p2os-gateway PORT --name happy --bus secure:keys/robot.happy
   acromovi up dwarfs --bus secure:keys
       a team whose processes find their keys in this folder: robot.NAME for each robot, and admin.dwarfs
+  acromovi keys export operator.anna
+      a file for a browser, which `acromovi console --certificate` lets in; it prints the password of the file
   acromovi keys list
   acromovi keys renew operator.anna
 
@@ -44,7 +47,7 @@ Exit codes: 0 done, 1 not done (the reason is on stderr), 2 wrong usage.
 
 
 def _add_arguments(parser: argparse.ArgumentParser) -> None:
-    actions = parser.add_subparsers(dest="action", metavar="make|renew|list", required=True)
+    actions = parser.add_subparsers(dest="action", metavar="make|renew|list|export", required=True)
     make = actions.add_parser("make", help="make a key; with the first, the authority too", allow_abbrev=False)
     make.add_argument("--role", choices=ROLES, required=True, help="set the rights of the owner")
     make.add_argument("--name", required=True, help="set the owner; that of a robot is its name on the bus")
@@ -55,9 +58,11 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
     renew.add_argument("owner", metavar="ROLE.NAME", help="owner, as the list shows it")
     listing = actions.add_parser("list", help="list the keys, and until when they are valid", allow_abbrev=False)
     listing.add_argument("--json", action="store_true", help="print one JSON object")
+    export = actions.add_parser("export", help="write a key as a file for a browser", allow_abbrev=False)
+    export.add_argument("owner", metavar="ROLE.NAME", help="owner, as the list shows it")
     for action in (make, renew):
         action.add_argument("--days", type=count, default=DAYS, metavar="N", help="set the validity [%(default)d days]")
-    for action in (make, renew, listing):
+    for action in (make, renew, listing, export):
         action.add_argument(
             "--out", type=Path, default=Path("keys"), metavar="DIR", help="set the folder of keys [%(default)s]"
         )
@@ -73,6 +78,8 @@ def _run(arguments: argparse.Namespace) -> int:
         if arguments.action == "list":
             _show(arguments.out, now, arguments.json)
             return 0
+        if arguments.action == "export":
+            return _export(arguments.out, arguments.owner)
         life = timedelta(days=arguments.days)
         if arguments.action == "renew":
             folder = Authority(arguments.out, now).renew(arguments.owner, now, life)
@@ -88,6 +95,17 @@ def _run(arguments: argparse.Namespace) -> int:
     except OSError as err:
         raise KeysError(f"{err.filename or arguments.out}: {err.strerror}") from err
     print(f"made {folder}, valid for {arguments.days} days; {_advice(arguments.role, folder)}")
+    return 0
+
+
+def _export(folder: Path, owner: str) -> int:
+    """Write the key of an owner as PKCS #12, which browsers import."""
+    from acromovi.authority import exported
+
+    file = folder / owner / f"{owner}.p12"
+    password = secrets.token_urlsafe(12)
+    exported(folder, owner, file, password.encode())
+    print(f"made {file}; import it into the browser with the password {password}, which is stored nowhere")
     return 0
 
 

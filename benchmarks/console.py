@@ -3,7 +3,7 @@
 The team of seven drives on the spot, as in `team`. Chromium has no window, draws with the processor, and notes when it
 has drawn an update of the map, by the same clock as the stamps of odometry. For the ways to the robot's line the
 benchmark plays the robot on a pty (`CableRobot`), so that the first byte is seen when it comes. Processor time is that
-of the console alone; Chromium's own is not counted.
+of the console alone; Chromium's own is not counted. Twenty tabs are pages without a browser (`headless_pages`).
 """
 
 import argparse
@@ -12,6 +12,7 @@ import random
 import subprocess
 import sys
 import time
+from collections import defaultdict
 from collections.abc import Iterator
 from contextlib import contextmanager
 from shutil import which
@@ -23,6 +24,7 @@ from benchmarks.figures import Figure, percentile
 from benchmarks.peer import CableRobot
 from benchmarks.processes import CpuMeter, resident_megabytes, running_team
 from benchmarks.team import TEAM, driving_team
+from bus import Sample, ZenohBus, keys
 from configs.defaults import default_bus
 
 GROUP = "console"
@@ -31,11 +33,12 @@ SETTLE = 5.0  # s that are not counted
 TRIALS = 60
 CLOSINGS = 5
 TABS = 20
+MANY_SECONDS = 10.0  # with all tabs
 SEED = 17
 PATIENCE = 120.0  # s for what a trial waits for, and for a page
 BESIDE = "doc"  # of the team; a robot with a camera
 CPU, MEMORY, TABS_CPU = 15.0, 200.0, 100.0  # % of a core, MB, % of a core
-DRAWN_P50, DRAWN_P95, JOYSTICK, CLOSED, BEHIND = 60.0, 150.0, 60.0, 600.0, 500.0  # ms
+DRAWN_P50, DRAWN_P95, JOYSTICK, CLOSED, BEHIND, LONGER = 60.0, 150.0, 60.0, 600.0, 500.0, 20.0  # ms
 WATCH = """() => {
     window.drawn = [];
     const last = {};
@@ -87,22 +90,58 @@ def _of_a_team(browser: BrowserContext) -> Iterator[Figure]:
         yield Figure(GROUP, f"{what}: memory", memory, MEMORY, "MB")
         yield Figure(GROUP, "reading to drawn in the browser, p50", percentile(drawn, 50), DRAWN_P50, "ms", len(drawn))
         yield Figure(GROUP, "reading to drawn in the browser, p95", percentile(drawn, 95), DRAWN_P95, "ms", len(drawn))
-        pages = [page, *(browser.new_page() for _ in range(TABS - 1))]
-        for each in pages[1:]:
-            each.goto(url)
-            each.wait_for_selector(".c-map")
-        page.wait_for_timeout(SETTLE * 1e3)
-        for each in pages:
-            each.evaluate(WATCH)
-        meter = CpuMeter(process.pid)
-        page.wait_for_timeout(SECONDS * 1e3)
-        cpu = meter.percent()
-        ages = [each.evaluate("window.drawn") for each in pages]
-        worst = max(percentile(age, 95) for age in ages if age)
-        yield Figure(GROUP, f"{TABS} tabs: processor", cpu, TABS_CPU, "%")
-        yield Figure(GROUP, f"{TABS} tabs: reading to drawn in the slowest tab, p95", worst, BEHIND, "ms", len(ages))
-        for each in (*pages, beside):
+        for each in (page, beside):
             each.close()
+        yield from _of_many_tabs(url, process.pid)
+
+
+def _of_many_tabs(url: str, console: int) -> Iterator[Figure]:
+    """Processor time, how far the slowest page is behind, and the readings of robots, before and with all pages.
+
+    Args:
+        url: Of the console.
+        console: Its process.
+    """
+    with _gaps() as gaps:
+        time.sleep(MANY_SECONDS)
+        alone = _longest_usual(gaps)
+    command = [sys.executable, "-m", "benchmarks.headless_pages", url, *map(str, (TABS, SETTLE, MANY_SECONDS))]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process, _gaps() as gaps:
+        time.sleep(SETTLE)
+        gaps.clear()
+        meter = CpuMeter(console)
+        time.sleep(MANY_SECONDS)
+        cpu, together = meter.percent(), _longest_usual(gaps)
+        ages = json.loads(process.communicate(timeout=PATIENCE)[0])
+    # A page that has got nothing is behind by all of the time.
+    worst = max(percentile(age, 95) if age else MANY_SECONDS * 1e3 for age in ages)
+    samples = sum(map(len, ages))
+    yield Figure(GROUP, f"{TABS} tabs: processor", cpu, TABS_CPU, "%")
+    yield Figure(GROUP, f"{TABS} tabs: age of readings in the slowest tab, p95", worst, BEHIND, "ms", samples)
+    what = f"{TABS} tabs: longer between two readings of the slowest robot, p95"
+    yield Figure(GROUP, what, together - alone, LONGER, "ms", sum(map(len, gaps.values())))
+
+
+@contextmanager
+def _gaps() -> Iterator[dict[str, list[float]]]:
+    """Note the times between two readings of odometry during a block, ms, by robot."""
+    gaps: defaultdict[str, list[float]] = defaultdict(list)
+    latest: dict[str, float] = {}
+
+    def hear(sample: Sample) -> None:
+        now = time.monotonic()
+        if sample.key in latest:
+            gaps[sample.key].append((now - latest[sample.key]) * 1e3)
+        latest[sample.key] = now
+
+    with ZenohBus.open(default_bus()) as bus:
+        bus.subscribe(f"*/{keys.ODOM.suffix}", hear)
+        yield gaps
+
+
+def _longest_usual(gaps: dict[str, list[float]]) -> float:
+    """Return the 95th percentile of the robot that has the largest, ms."""
+    return max(percentile(each, 95) for each in gaps.values())
 
 
 def _to_the_line(browser: BrowserContext) -> Iterator[Figure]:

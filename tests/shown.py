@@ -88,6 +88,11 @@ ELSEWHERE = {
     "acromovi console": CONSOLE,
     "acromovi console --password": "tests/acromovi/test_console.py, with another file",
     "acromovi console --host 0.0.0.0": CONSOLE,
+    "acromovi console --host 0.0.0.0 --certificate keys/router.lab": (
+        "tests/apps/console/in_a_browser/test_certificates.py, on loopback"
+    ),
+    "acromovi keys make --role router --name lab --host lab.example.org": "tests/acromovi/test_keys.py",
+    "acromovi keys export operator.anna": "tests/acromovi/test_keys.py",
     "acromovi run robot_following robot=happy": FOLLOWING,
     "acromovi run robot_following robots=happy,sleepy": FOLLOWING,
     "acromovi run robot_following robot=happy colours=trained": FOLLOWING,

@@ -71,7 +71,7 @@ class BaseAgent(Wheels):
         goal, limits, is_there = PoseGoal(x, y, heading), _limits(speed), False
         distance = goal.distance(self.pose)
         if distance > FARTHEST:
-            raise Refused(f"({x:g}, {y:g}) is {distance:.3g} m away; name a place within {FARTHEST:g} m")
+            raise Refused(f"({x:g}, {y:g}) is {distance:.0f} m away; name a place within {FARTHEST:g} m")
 
         def choose(pose: Pose2D) -> Velocity:
             nonlocal is_there

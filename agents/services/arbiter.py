@@ -254,12 +254,12 @@ class Arbiter(Agent):
 
     def _on_life(self, name: AgentName, lives: bool) -> None:
         """Note that an agent has appeared or disappeared."""
-        if not lives:
+        if not lives and self._held_open:  # else it was handed over before the end, and comes after it
             self._keeper.on_holder_death(name)
 
     def _on_robot(self, key: str, lives: bool) -> None:
         """Note that a gateway has appeared; after a restart it has lost its leases."""
-        if lives:
+        if lives and self._held_open:
             self._keeper.doubt(key.partition("/")[0], {})
 
     async def _on_state(self, key: str, state: dict[str, Any]) -> None:

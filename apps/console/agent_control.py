@@ -9,14 +9,14 @@ from apps.console.visits import Visit
 from bus import BusError, NotAllowed
 
 
-def why_not_control(console: Console, container: ContainerName) -> str:
-    """Return why this program may not control a container; empty if it may."""
-    return _why_not(console, container.control_key)
+def why_not_control(console: Console, visit: Visit, container: ContainerName) -> str:
+    """Return why a page may not control a container; empty if it may."""
+    return _why_not(console, visit, container.control_key)
 
 
-def why_not_ask(console: Console, agent: AgentName) -> str:
-    """Return why this program may not send messages to an agent; empty if it may."""
-    return _why_not(console, agent.acl_key)
+def why_not_ask(console: Console, visit: Visit, agent: AgentName) -> str:
+    """Return why a page may not send messages to an agent; empty if it may."""
+    return _why_not(console, visit, agent.acl_key)
 
 
 async def control(console: Console, visit: Visit, agent: WatchedAgent, do: str, **given: str) -> str:
@@ -29,8 +29,10 @@ async def control(console: Console, visit: Visit, agent: WatchedAgent, do: str, 
         do: `suspend`, `resume`, `stop`, `move`, or `clone`.
         given: For `move`, `to`: the name of the other container; for `clone`, `as`: the name of the copy.
     Returns:
-        The outcome in words.
+        The outcome in words, or why the page may not.
     """
+    if why_not := why_not_control(console, visit, agent.container):
+        return why_not
     try:
         answer = await order(console.agent.bus, agent.container, do, name=str(agent.name), **given)
         where = answer.get("container", agent.container.name)
@@ -45,9 +47,9 @@ async def control(console: Console, visit: Visit, agent: WatchedAgent, do: str, 
     return words
 
 
-def _why_not(console: Console, key: str) -> str:
+def _why_not(console: Console, visit: Visit, key: str) -> str:
     try:
         console.agent.bus.check_may_query(key)
     except NotAllowed as err:
         return str(err)
-    return console.look_only
+    return visit.look_only

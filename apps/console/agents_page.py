@@ -63,7 +63,7 @@ class _AgentsPage:
                     self._conversations = ConversationsPanel(console, visit)
                 with ui.element("div").classes("c-columns"):
                     with panel("Leases"):
-                        self._leases = LeasesPanel(console)
+                        self._leases = LeasesPanel(console, visit)
                     with panel("Outcomes"):
                         OutcomeList(visit)
         self._show()

@@ -47,7 +47,7 @@ class _ApplicationsPage:
         app = self._known.get(str(self._select.value))
         self._about.text = app.about if app is not None else "Choose one; its arguments are asked for here."
         self._trouble.text = ""
-        self._start.set_enabled(app is not None and self._console.may_command)
+        self._start.set_enabled(app is not None and self._visit.may_command)
         if app is None:
             return
         robots = [robot.name for robot in self._console.robots.robots.values() if robot.is_there]
@@ -99,7 +99,7 @@ class _ApplicationsPage:
             ui.label(state).classes("c-fine" if run.is_running else "c-quiet")
             if run.is_running:
                 stop = ui.button("Stop", on_click=lambda: self._stop(run)).props("outline dense no-caps color=negative")
-                stop.set_enabled(self._console.may_command)
+                stop.set_enabled(self._visit.may_command)
 
     def _show_output(self) -> None:
         run = self._chosen

@@ -41,7 +41,7 @@ class _FaultsPage:
                     self._choice = ui.select([], label="Fault", with_input=True, on_change=self._describe)
                     self._meaning = ui.label().classes("c-quiet")
                     self._robot = ui.select([], label="Robot")
-                    self._form = ui.element("div").classes("c-form")
+                    self._form = ui.element("div").classes("c-form c-wide")
                     self._inject = ui.button("Inject", on_click=self._begin).props("dense no-caps")
                 with panel("Faults of this run"):
                     self._list = ui.element("ul").classes("c-plain c-runs")
@@ -72,7 +72,7 @@ class _FaultsPage:
                 self._map.on("choose", self._choose)
                 self._map.on("place", self._place)
         self._paused = False
-        disable_if_looking(console, columns)
+        disable_if_looking(visit, columns)
         ui.timer(0.0, self._refresh, once=True)
         ui.timer(_REFRESH, self._refresh)
 
@@ -105,7 +105,7 @@ class _FaultsPage:
         self._form.clear()
         self._fields = {}
         about = self._known.get(str(self._choice.value))
-        self._inject.set_enabled(about is not None and self._console.may_command)
+        self._inject.set_enabled(about is not None and self._visit.may_command)
         self._meaning.text = f"{about['meaning']}; at its end: {about['ending']}" if about else ""
         if not about:
             return
@@ -114,7 +114,8 @@ class _FaultsPage:
         )
         with self._form:
             for name, meaning in about["parameters"].items():
-                self._fields[name] = ui.input(name, placeholder=str(meaning)).props("dense stack-label")
+                field = self._fields[name] = ui.input(name).props("dense stack-label bottom-slots")
+                field.props["hint"] = str(meaning)  # below it, where long words are not cut
 
     async def _begin(self) -> None:
         name, robot = str(self._choice.value), self._robot.value
@@ -143,7 +144,7 @@ class _FaultsPage:
                     clear = ui.button(
                         "Clear", on_click=lambda number=number: self._ask("clear", "cleared", number=number)
                     )
-                    clear.props("outline dense no-caps").set_enabled(self._console.may_command)
+                    clear.props("outline dense no-caps").set_enabled(self._visit.may_command)
 
     def _show_doors(self, doors: Mapping[str, Any]) -> None:
         shown = {name: door["opening"] > 0.5 * door["width"] for name, door in doors.items()}
@@ -160,7 +161,7 @@ class _FaultsPage:
                     ui.label("open" if is_open else "shut").classes("c-quiet")
                     words = "Shut" if is_open else "Open"
                     button = ui.button(words, on_click=lambda name=name, to=not is_open: self._move_door(name, to))
-                    button.props("outline dense no-caps").set_enabled(self._console.may_command)
+                    button.props("outline dense no-caps").set_enabled(self._visit.may_command)
 
     async def _move_door(self, name: str, to: bool) -> None:
         await self._ask("door", f"{name} {'opens' if to else 'shuts'}", name=name, open=to)
@@ -188,7 +189,7 @@ class _FaultsPage:
 
     async def _ask(self, do: str, words: str, **arguments: Any) -> bool:
         """Ask the emulator for something, and tell the page what has come of it."""
-        if why := self._console.look_only:
+        if why := self._visit.look_only:
             self._console.say(self._visit, why)
             return False
         try:

@@ -168,7 +168,11 @@ export default {
         const pose = this.world.poses[robot.name];
         if (!pose) return `${robot.name}: ${robot.words}, place not known`;
         const [x, y] = this.onMap(robot, pose.x, pose.y);
-        return `${robot.name}: ${robot.words}, at x ${x.toFixed(1)} m, y ${y.toFixed(1)} m`;
+        const { goal, route } = this.world.missions[robot.name] || {};
+        const [goalX, goalY] = goal ? this.onMap(robot, goal[0], goal[1]) : [];
+        const way = route?.length ? `, by a way of ${route.length} places` : "";
+        const mission = goal ? `, on its way to x ${goalX.toFixed(1)} m, y ${goalY.toFixed(1)} m${way}` : "";
+        return `${robot.name}: ${robot.words}, at x ${x.toFixed(1)} m, y ${y.toFixed(1)} m${mission}`;
       });
     },
 

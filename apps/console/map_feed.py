@@ -74,6 +74,7 @@ class MapFeed:
         emulator: EmulatorControl | None,
         settings: MapSettings,
         may_ask: bool,
+        recorded_missions: Callable[[], Mapping[str, dict[str, Any]]] | None = None,
     ) -> None:
         """Begin; little is done until a browser looks.
 
@@ -86,11 +87,13 @@ class MapFeed:
             emulator: The emulator, which knows where its robots are; None without one.
             settings: Settings.
             may_ask: Whether agents can be asked: not in a recording, nor with a role that permits looking only.
+            recorded_missions: Returns the missions at the position of a recording; None for a live team.
         """
         self.missions: dict[str, dict[str, Any]] = {}
         self.places = places
         self._agent, self._robots, self._directory, self._floor = agent, robots, directory, floor
         self._emulator, self._settings, self._may_ask = emulator, settings, may_ask
+        self._recorded_missions = recorded_missions
         self._watching = self._waiting = 0  # browsers, and those of them that wait for what is new
         self._encoded_at = 0.0  # s of the monotonic clock
         self._number = 0  # of updates
@@ -276,11 +279,26 @@ class MapFeed:
         is_new |= self._note("located", self.locating.located)
         is_new |= self._note("goals", self.goals)
         is_new |= self._note("overlays", self._overlays.overlays)
+        if self._recorded_missions is not None:
+            found = self._recorded_missions()
+            self.missions = {robot: {**told, "goal": self._goal_in_odom(robot, told)} for robot, told in found.items()}
+            is_new |= self._note("missions", self.missions)
         if not self._floor.is_known:
             for robot in robots.values():
                 self._add_cells(robot)
         if is_new:
             self._tell()
+
+    def _goal_in_odom(self, robot: str, mission: Mapping[str, Any]) -> list[float | None] | None:
+        """Return the goal of a recorded mission, x, y and heading or None; None if its place is not known."""
+        goal, odom = mission["goal"], self.places.of(robot)
+        if goal is None or mission["frame"] == "odom":
+            return goal  # type: ignore[no-any-return]  # of JSON
+        if odom is None:
+            return None
+        x, y, heading = goal
+        there = self.places.map_of(robot).compose(Pose2D(x, y, heading or 0.0)).relative_to(odom)
+        return [there.x, there.y, None if heading is None else there.heading]
 
     def _note(self, name: str, content: Any) -> bool:
         """Note what changes seldom; return whether it has changed."""

@@ -158,12 +158,12 @@ def robot_layout(robot: WatchedRobot, place: Pose2D | None, standing: tuple[str,
 def mission_layout(told: Mapping[str, Any]) -> dict[str, Any]:
     """Return what is drawn of a robot's navigation, by the answer of its path planning; m and rad in odom."""
     goal = told.get("goal")
-    has_goal = isinstance(goal, Mapping) and _is_number(goal.get("x")) and _is_number(goal.get("y"))
+    has_goal = isinstance(goal, Mapping) and is_number(goal.get("x")) and is_number(goal.get("y"))
     is_active = told.get("state") == "active" or bool(told.get("route"))
     doors = [
         [door["x"], door["y"], door["width"], door["normal"], door.get("confidence", 1.0)]
         for door in told.get("doors") or ()
-        if isinstance(door, Mapping) and all(_is_number(door.get(key)) for key in ("x", "y", "width", "normal"))
+        if isinstance(door, Mapping) and all(is_number(door.get(key)) for key in ("x", "y", "width", "normal"))
     ]
     return {
         "goal": [goal["x"], goal["y"], goal.get("heading")] if has_goal and is_active and goal is not None else None,
@@ -210,8 +210,9 @@ def _discs(shape: Mapping[str, Any]) -> list[list[float] | None]:
 
 def _number(table: Any, key: str, otherwise: float) -> float:
     value = table.get(key) if isinstance(table, Mapping) else None
-    return float(value) if value is not None and _is_number(value) else otherwise
+    return float(value) if value is not None and is_number(value) else otherwise
 
 
-def _is_number(value: Any) -> bool:
+def is_number(value: Any) -> bool:
+    """Return whether a value that a program has sent is a finite number."""
     return isinstance(value, int | float) and not isinstance(value, bool) and isfinite(value)

@@ -98,7 +98,7 @@ class _MapPage:
             self._mission.text = f"{mission['mission']}: {mission['state']}" + (
                 f" ({mission['why']})" if mission["why"] else ""
             )
-            self._cancel.set_visibility(bool(mission["goal"]) and self._console.may_command)
+            self._cancel.set_visibility(bool(mission["goal"]) and self._visit.may_command)
         why = self._why_not_sent()
         self._sending.set_enabled(not why)
         if why and self._sending.value:
@@ -107,7 +107,7 @@ class _MapPage:
 
     def _why_not_sent(self) -> str:
         """Return why the chosen robot cannot be sent; empty if it can."""
-        if why := self._console.look_only:
+        if why := self._visit.look_only:
             return why
         robot = self._visit.robot
         if not any(name.local == _NAVIGATION and name.platform == robot for name in self._console.directory.names):
@@ -127,7 +127,7 @@ class _MapPage:
             words += f", ±{2 * max(deviations[:2]):.2f} m, ±{2 * degrees(deviations[2]):.0f}°"
         self._located.text = f"{robot}: {words}" + (f"; {located['reason']}" if located["reason"] else "")
         is_map = located["map"] != BUILT
-        self._relocating.set_enabled(self._console.may_command and is_map)
+        self._relocating.set_enabled(self._visit.may_command and is_map)
         names = [goal["name"] for goal in self._console.map.goals.get(robot, ())]
         if names != self._goal.options:
             self._goal.set_options(names, value=self._goal.value if self._goal.value in names else None)
@@ -138,7 +138,7 @@ class _MapPage:
     async def _relocate(self, event: GenericEventArguments) -> None:
         """Tell the localization where the chosen robot is."""
         robot, told = self._visit.robot, event.args
-        if told.get("robot") != robot or not self._console.may_command:
+        if told.get("robot") != robot or not self._visit.may_command:
             return
         located = self._console.map.locating.located.get(robot)
         if located is None:
@@ -194,6 +194,8 @@ class _MapPage:
         self._console.say(self._visit, words)
 
     async def _cancel_mission(self) -> None:
+        if not self._visit.may_command:
+            return
         outcome = await self._console.ask(f"{_NAVIGATION}@{self._visit.robot}", "cancel")
         words = "the mission is cancelled" if outcome.is_done else f"the mission goes on: {outcome.why}"
         self._console.say(self._visit, f"{self._visit.robot}: {words}")

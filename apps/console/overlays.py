@@ -3,9 +3,9 @@
 import asyncio
 from collections.abc import Callable, Mapping
 from functools import partial
-from math import isfinite
 from typing import Any
 
+from apps.console.map_layers import is_number
 from bus import Bus, MessageError, Sample, keys
 from bus.aio import hand_over
 from bus.bus import Closeable
@@ -65,8 +65,4 @@ class OverlayWatch(Closeable):
 def _rows(value: Any, length: int) -> list[list[float]]:
     """Return the rows of a list that have so many finite numbers."""
     rows = value[:_MOST_SHAPES] if isinstance(value, list) else []
-    return [row for row in rows if isinstance(row, list) and len(row) == length and all(map(_is_number, row))]
-
-
-def _is_number(value: Any) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool) and isfinite(value)
+    return [row for row in rows if isinstance(row, list) and len(row) == length and all(map(is_number, row))]

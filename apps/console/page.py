@@ -40,8 +40,8 @@ def panel(title: str, classes: str = "") -> Iterator[ui.element]:
         yield box
 
 
-def disable_if_looking(console: Console, box: ui.element) -> None:
-    """Disable all controls in a box if nothing can be commanded."""
+def disable_if_looking(visit: Visit, box: ui.element) -> None:
+    """Disable all controls in a box if a page can command nothing."""
     for each in box.descendants():
-        if isinstance(each, DisableableElement) and not console.may_command:
+        if isinstance(each, DisableableElement) and not visit.may_command:
             each.set_enabled(False)

@@ -113,6 +113,7 @@ class Console:
             self.emulator,
             self.settings.map,
             self.may_command,
+            self.replay.missions if self.replay is not None else None,
         )
         tasks = [self._watch_drivers(), self._sample(), self.map.run()]
         tasks += [self._recall()] if self.replay is None else [self.replay.run(), self._begin_replay(self.replay)]
@@ -138,15 +139,17 @@ class Console:
 
     # Pages.
 
-    def begin_visit(self, address: str, session: str = "") -> Visit:
+    def begin_visit(self, browser: str, session: str = "", look_only: str = "") -> Visit:
         """Return the state of a new page.
 
         Args:
-            address: Of the browser.
+            browser: Its address, or the owner of its certificate.
             session: With which it was opened.
+            look_only: Why the browser may command nothing, in words; empty if it may what this program may.
         """
         self._count += 1
-        visit = Visit(secrets.token_urlsafe(16), f"page {self._count} ({address})", session)
+        name = f"page {self._count} ({browser})"
+        visit = Visit(secrets.token_urlsafe(16), name, session, look_only=self.look_only or look_only)
         self.visits[visit.ticket] = visit
         return visit
 
@@ -197,12 +200,17 @@ class Console:
             if not visit.sockets:
                 await self._release_all_of(visit, "the page was closed, or its connection was lost")
 
-    async def stop_all(self) -> dict[str, str]:
+    async def stop_all(self, look_only: str = "") -> dict[str, str]:
         """Stop all robots by their latched emergency stops; return what each of them answers, `stopped` or a reason.
 
         It needs no lease.
+
+        Args:
+            look_only: Why the browser that asks may command nothing; empty if it may.
         """
         robots = [robot.name for robot in self.robots.robots.values() if robot.is_there]
+        if look_only:
+            return dict.fromkeys(robots, look_only)
         for drive in self._drives.values():
             drive.latch()
         replies = await asyncio.gather(*(self.command(robot, keys.ESTOP, on=True) for robot in robots))
@@ -265,14 +273,14 @@ class Console:
         drive = self._drives.get(visit.robot)
         return drive is not None and drive.holder is visit and not drive.is_latched
 
-    def why_not(self, topic: Topic, robots: Iterable[str] | None = None) -> str:
-        """Return why this program may not send a command; empty if it may."""
+    def why_not(self, visit: Visit, topic: Topic, robots: Iterable[str] | None = None) -> str:
+        """Return why a page may not send a command; empty if it may."""
         for robot in robots if robots is not None else self.robots.names:
             try:
                 self.agent.bus.check_may_query(topic.key(robot))
             except NotAllowed as err:
                 return str(err)
-        return self.look_only
+        return visit.look_only
 
     # What goes on by itself.
 

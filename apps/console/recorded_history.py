@@ -5,6 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from apps.console.recorded_missions import RecordedMissions, is_of_mission
 from apps.console.robots import lease_events, state_events
 from apps.console.timeline import Timeline
 from bus import MessageError, Sample, keys
@@ -22,11 +23,13 @@ class RecordedHistory:
     """What happened in a recording.
 
     timeline: the events, by the times at which they were recorded. paths: of each robot, times in ns since 1970 and
-    points in odom, m. slow: by key, the times of the messages of streams that have few, ns since 1970.
+    points in odom, m. missions: of the indoor navigations. slow: by key, the times of the messages of streams that
+    have few, ns since 1970.
     """
 
     timeline: Timeline
     paths: dict[str, tuple[list[int], list[tuple[float, float]]]] = field(default_factory=dict)
+    missions: RecordedMissions = field(default_factory=RecordedMissions)
     slow: dict[str, list[int]] = field(default_factory=dict)
 
     @classmethod
@@ -38,12 +41,14 @@ class RecordedHistory:
         reader = _HistoryReader(found)
 
         def is_wanted(key: str) -> bool:
-            return key in slow or key == TOKENS or key.endswith((_MONITOR, _MISSIONS)) or reader.has(key)
+            return key in slow or key == TOKENS or key.endswith(_MONITOR) or is_of_mission(key) or reader.has(key)
 
         for time_ns, _, sample in recording.samples(is_wanted=is_wanted):
             if sample.key in slow:
                 found.slow.setdefault(sample.key, []).append(time_ns)
             try:
+                if is_of_mission(sample.key):
+                    found.missions.take(sample.key, sample.decoded(), time_ns)
                 reader.take(sample, time_ns)
             except MessageError:  # a malformed message is part of the recording, and no part of the history
                 continue

@@ -6,6 +6,7 @@ It is published on a bus of this process, on which no robot lives. So nothing th
 import asyncio
 import time
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 from apps.console.recorded_history import RecordedHistory, is_reading
 from apps.console.timeline import Timeline
@@ -76,6 +77,10 @@ class Replay(Closeable):
     def now(self) -> float:
         """Return when the newest message that is shown was recorded, s since 1970."""
         return self._now_ns / 1e9
+
+    def missions(self) -> dict[str, dict[str, Any]]:
+        """Return the missions of the indoor navigations at the position, by robot; none before the history is read."""
+        return self.history.missions.at(self._now_ns) if self.history is not None else {}
 
     def position_of(self, at: float) -> float:
         """Return the position of a time: s since the first message, by s since 1970."""

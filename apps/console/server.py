@@ -6,8 +6,9 @@ from collections.abc import Callable
 from functools import partial
 from typing import TYPE_CHECKING
 
-from fastapi import FastAPI, WebSocket
+from fastapi import FastAPI, Request, WebSocket
 from nicegui import ui
+from starlette.types import ASGIApp
 
 from apps.console.agent_panels.conversations import SNIFFER_PATH
 from apps.console.pages import PAGES, ROBOT_PAGE
@@ -16,6 +17,7 @@ from apps.console.settings import ConsoleSettings
 from apps.console.shell import STOP_PATH, begin_page
 from apps.web.access import PasswordGate, Sessions
 from apps.web.agent import page_agent
+from apps.web.certificates import CertificateGate, PageCertificate, why_look_only
 from apps.web.server import page_server, serve_pages
 from bus import Bus
 
@@ -34,6 +36,7 @@ async def serve(
     host: str,
     on_ready: Callable[[], None],
     replay: "Replay | None" = None,
+    certificate: PageCertificate | None = None,
 ) -> None:
     """Serve the console until the program is told to end.
 
@@ -46,6 +49,7 @@ async def serve(
         host: As given by the user.
         on_ready: Called once the pages can be opened.
         replay: The recording that is shown, on `bus`; None for a live team.
+        certificate: With which it is served, and which tells the browsers that may come in; None for neither.
     """
     async with (
         page_agent(bus, "console", replay.now if replay is not None else time.time, is_hidden=replay is not None) as (
@@ -54,13 +58,15 @@ async def serve(
         ),
         Console(agent, settings, inputs, _look_only(replay, may_command), replay) as console,
     ):
-        app = _application(console)
-        if sessions is None:
-            server = page_server(app, "Acromovi", host)
-        else:
+        if sessions is not None:
             sessions.on_end = console.end_session
-            server = page_server(app, "Acromovi", host, lambda inner: PasswordGate(inner, sessions))
             agent.every(_LOOK, sessions.end_old)
+
+        def guard(inner: ASGIApp) -> ASGIApp:
+            by_password = PasswordGate(inner, sessions) if sessions is not None else None
+            return CertificateGate(inner, by_password) if certificate is not None else by_password or inner
+
+        server = page_server(_application(console), "Acromovi", host, guard, certificate)
         await serve_pages(server, listener, on_ready)
 
 
@@ -76,8 +82,8 @@ def _application(console: Console) -> FastAPI:
     app = FastAPI(openapi_url=None)
 
     @app.post(STOP_PATH)
-    async def stop() -> dict[str, dict[str, str]]:
-        return {"robots": await console.stop_all()}
+    async def stop(request: Request) -> dict[str, dict[str, str]]:
+        return {"robots": await console.stop_all(why_look_only(request.scope))}
 
     @app.websocket("/drive/{ticket}")
     async def drive(websocket: WebSocket, ticket: str) -> None:

@@ -14,6 +14,7 @@ from apps.console.program import Console
 from apps.console.replay_bar import ReplayBar
 from apps.console.visits import Visit
 from apps.web.access import COOKIE
+from apps.web.certificates import owner_of, why_look_only
 from apps.web.viewer import STYLE
 from bus import keys
 
@@ -44,7 +45,9 @@ def begin_page(console: Console, page: ConsolePage, pages: Sequence[ConsolePage]
     """
     client = ui.context.client
     cookies = client.request.cookies if client.request is not None else {}
-    visit = console.begin_visit(client.ip or "?", cookies.get(COOKIE, ""))
+    scope = client.request.scope if client.request is not None else {}
+    owner, session = owner_of(scope), cookies.get(COOKIE, "")
+    visit = console.begin_visit(owner or client.ip or "?", "" if owner else session, why_look_only(scope))
     visit.robot = robot
     client.on_delete(lambda: console.end_visit(visit))
     visit.on_end = partial(_end_page, client)
@@ -108,10 +111,12 @@ class _TeamBar:
         self._release.set_visibility(any(robot.is_stopped for robot in robots) and not self._why_not())
 
     def _why_not(self) -> str:
-        return self._console.why_not(keys.ESTOP)
+        return self._console.why_not(self._visit, keys.ESTOP)
 
     async def _ask(self) -> None:
         """Ask whether the robots may move again, and release their stops."""
+        if self._why_not():
+            return
         held = [robot.name for robot in self._console.robots.robots.values() if robot.is_stopped]
         with ui.dialog() as dialog, ui.card().classes("c-dialog"):
             ui.label("Release the emergency stop?").classes("rv-heading")

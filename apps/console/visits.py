@@ -16,7 +16,7 @@ class Visit:
     where no password is asked for. robot: which it shows; empty for none. sockets: by which its browser drives.
     outcomes: of the latest commands, the newest first: time of the day and words. outcome_count: of all of them.
     motions: requests that its browser began; they are cancelled when it is gone. on_end: ends the page itself, when its
-    session ends.
+    session ends. look_only: why it can command nothing, in words; empty if it can.
     """
 
     ticket: str
@@ -28,6 +28,12 @@ class Visit:
     outcome_count: int = 0
     motions: "set[asyncio.Task[None]]" = field(default_factory=set)
     on_end: Callable[[], None] | None = None
+    look_only: str = ""
+
+    @property
+    def may_command(self) -> bool:
+        """Whether it can command robots and agents."""
+        return not self.look_only
 
     def tell(self, clock: str, words: str) -> None:
         """Note what has happened, at a time of the day."""

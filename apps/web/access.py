@@ -189,7 +189,7 @@ class PasswordGate:
             words = '<p role="alert">This is not the password.</p>'
             return HTMLResponse(_PAGE.replace("WORDS", words), 403)
         inside = RedirectResponse("/", 303)
-        inside.set_cookie(COOKIE, begun, httponly=True, samesite="strict")
+        inside.set_cookie(COOKIE, begun, httponly=True, samesite="strict", secure=request.url.scheme == "https")
         return inside
 
 

@@ -3,12 +3,14 @@
 import asyncio
 import socket
 from collections.abc import Callable
+from typing import Any
 
 import uvicorn
 from fastapi import FastAPI
 from nicegui import ui
 from starlette.types import ASGIApp
 
+from apps.web.certificates import CertifiedConnection, PageCertificate
 from apps.web.origin import SameOrigin, served_names
 from configs.loader import ConfigError
 
@@ -28,13 +30,17 @@ def listening(host: str, port: int) -> socket.socket:
         raise ConfigError(f"the page cannot be served on {host}:{port}: {why}; choose another port or host") from err
 
 
-def address(listener: socket.socket, host: str) -> str:
+def address(listener: socket.socket, host: str, scheme: str = "http") -> str:
     """Return the address of a page for a browser, with the port that the system has chosen."""
-    return f"http://{f'[{host}]' if ':' in host else host}:{listener.getsockname()[1]}/"
+    return f"{scheme}://{f'[{host}]' if ':' in host else host}:{listener.getsockname()[1]}/"
 
 
 def page_server(
-    app: FastAPI, title: str, host: str, guard: Callable[[ASGIApp], ASGIApp] = lambda inner: inner
+    app: FastAPI,
+    title: str,
+    host: str,
+    guard: Callable[[ASGIApp], ASGIApp] = lambda inner: inner,
+    certificate: PageCertificate | None = None,
 ) -> uvicorn.Server:
     """Return a server for an application, with the pages that are registered with NiceGUI.
 
@@ -43,15 +49,23 @@ def page_server(
         title: Of the pages.
         host: Under which it listens, as given by the user.
         guard: Middleware around the application, behind the check of the origin.
+        certificate: With which it is served by TLS; None for a connection that is not encrypted.
     """
+    names = served_names(host)
+    encrypted: dict[str, Any] = {}
+    if certificate is not None:
+        names |= certificate.hosts
+        context = certificate.context
+        encrypted = {"http": CertifiedConnection, "ssl_context_factory": lambda config, default: context}
     ui.run_with(app, title=title, show_welcome_message=False, reconnect_timeout=5.0, tailwind=False)
     config = uvicorn.Config(
-        SameOrigin(guard(app), served_names(host)),
+        SameOrigin(guard(app), names),
         log_level="error",
         lifespan="on",
         ws_per_message_deflate=False,
         timeout_graceful_shutdown=_GRACE,
         server_header=False,
+        **encrypted,
     )
     return uvicorn.Server(config)
 

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 from cryptography import x509
+from cryptography.hazmat.primitives.serialization import Encoding, pkcs12
 from cryptography.x509.oid import ExtendedKeyUsageOID
 
 from acromovi.__main__ import main
@@ -149,6 +150,27 @@ def test_what_cannot_be_done_is_told_and_leaves_nothing(
     assert why in error
     assert error.count("\n") == 1
     assert not list(tmp_path.glob("keys/*.*"))
+
+
+def test_a_key_is_exported_for_a_browser_with_a_password_of_its_own(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    make(tmp_path, "operator", "anna")
+    capsys.readouterr()
+    command = ["keys", "export", "operator.anna", "--out", str(tmp_path)]
+    assert main(command) == 0
+    file = tmp_path / "operator.anna" / "operator.anna.p12"
+    password = capsys.readouterr().out.partition("with the password ")[2].partition(",")[0]
+    assert stat.S_IMODE(file.stat().st_mode) == 0o600
+    _, found, authority = pkcs12.load_key_and_certificates(file.read_bytes(), password.encode())
+    assert found == certificate(tmp_path / "operator.anna")
+    assert [each.public_bytes(Encoding.PEM) for each in authority] == [(tmp_path / "operator.anna/ca.pem").read_bytes()]
+    with pytest.raises(ValueError, match="password"):
+        pkcs12.load_key_and_certificates(file.read_bytes(), b"another")
+    assert main(command) == 1
+    assert "is there already" in capsys.readouterr().err
+    assert main(["keys", "export", "viewer.vera", "--out", str(tmp_path)]) == 1
+    assert "there is no key viewer.vera" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("file", ["ca.pem", "key.pem"])

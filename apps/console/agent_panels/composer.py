@@ -73,7 +73,7 @@ class ComposerPanel:
 
     def refresh(self, agent: AgentName) -> None:
         """Enable what is possible now."""
-        why_not = why_not_ask(self._console, agent)
+        why_not = why_not_ask(self._console, self._visit, agent)
         is_sending = self._sending is not None and not self._sending.done()
         self._send.set_enabled(not why_not and not is_sending)
         self._stop.set_visibility(is_sending)
@@ -81,6 +81,8 @@ class ComposerPanel:
             self._words.text = why_not
 
     def _begin(self) -> None:
+        if not self._send.enabled:
+            return
         try:
             draft = draft_of({name: str(each.value or "") for name, each in self._inputs.items()})
         except DraftNotValid as err:

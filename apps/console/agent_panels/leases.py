@@ -11,6 +11,7 @@ from agents.services.leases import SERVICE
 from apps.console.agent_control import why_not_ask
 from apps.console.data_view import DataTable
 from apps.console.program import Console
+from apps.console.visits import Visit
 from bus import BusError
 
 _LAST = 30  # rows of the record
@@ -20,12 +21,12 @@ _NAMES = ("event", "element", "holder", "priority")
 class LeasesPanel:
     """Who holds what, as the gateways of the robots know it."""
 
-    def __init__(self, console: Console) -> None:
+    def __init__(self, console: Console, visit: Visit) -> None:
         """Add it to the page."""
-        self._console = console
+        self._console, self._visit = console, visit
         self._table = DataTable(("Element", "Holder", "Priority", "Expires in"), "nobody holds a lease")
         record = ui.button("Record of the arbiter", on_click=self._read_record).props("outline dense no-caps")
-        record.set_enabled(console.may_command)
+        record.set_enabled(visit.may_command)
         self._words = ui.label().classes("c-quiet")
         self._record = DataTable(("Time", "Event", "Element", "Holder", "Priority", "More"), "no event")
         self._record.set_visibility(False)
@@ -47,7 +48,7 @@ class LeasesPanel:
             ui.notify("There is no arbiter; acromovi up starts one with a team.")
             return
         name = arbiters[0].name
-        if why_not := why_not_ask(self._console, name):
+        if why_not := why_not_ask(self._console, self._visit, name):
             ui.notify(why_not)
             return
         outcome = await self._console.ask(str(name), "audit", last=_LAST)

@@ -64,7 +64,7 @@ class RequestPanel:
 
     def refresh(self) -> None:
         """Enable what is possible now."""
-        why_not = why_not_ask(self._console, self._name) if self._name is not None else "choose an agent"
+        why_not = why_not_ask(self._console, self._visit, self._name) if self._name is not None else "choose an agent"
         is_running = self._running is not None and not self._running.done()
         self._ask.set_enabled(not why_not and not is_running and bool(self._entries))
         self._cancel.set_visibility(is_running)

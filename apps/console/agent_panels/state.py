@@ -43,7 +43,7 @@ class StatePanel:
         self._facts["Container"].text = f"{agent.container.name} of {agent.container.platform}"
         self._facts["Kind"].text = agent.kind
         self._facts["Services"].text = ", ".join(services) or "none"
-        why_not = why_not_control(self._console, agent.container)
+        why_not = why_not_control(self._console, self._visit, agent.container)
         self._why_not.text = why_not
         self._why_not.set_visibility(bool(why_not))
         self._suspend.set_visibility(agent.state != SUSPENDED)

@@ -36,7 +36,7 @@ class ArmPanel:
                 ):
                     self._controls.append(self._button(name, words, arguments))
                 halt = ui.button("Halt", on_click=lambda: visit.cancel_motions())
-                halt.props("outline dense no-caps color=negative").set_enabled(console.may_command)
+                halt.props("outline dense no-caps color=negative").set_enabled(visit.may_command)
             with ui.element("div").classes("c-joints"):
                 for number, row in enumerate(self._joints, 1):
                     ui.label(f"Joint {number}")

@@ -23,7 +23,7 @@ class CameraPanel:
         with panel("Camera"):
             old = vision.settings.images.old_s
             image = ImageViewer(f"/images/{viewing.ticket}/{ORIGINAL}", visit.robot, old, _PROGRAM, "steer")
-        self._head = HeadPanel(vision, viewing, image) if console.may_command and console.can_aim else None
+        self._head = HeadPanel(vision, viewing, image) if visit.may_command and console.can_aim else None
 
     def refresh(self) -> None:
         """Show who steers the head."""

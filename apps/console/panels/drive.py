@@ -40,7 +40,7 @@ class DrivePanel:
     def __init__(self, console: Console, visit: Visit) -> None:
         """Build it."""
         self._console, self._visit = console, visit
-        drive = console.drive_of(visit.robot) if console.may_command else None
+        drive = console.drive_of(visit.robot) if visit.may_command else None
         limits = console.robots.robots[visit.robot].description.get("limits")
         fastest = limits if isinstance(limits, dict) else {}
         with panel("Drive"):
@@ -59,14 +59,14 @@ class DrivePanel:
                     ui.label(words)
                     slider = ui.slider(min=_SLOWEST, max=round(top, 2), step=0.05, value=min(speeds[index], top))
                     slider.on_value_change(partial(self._choose, index))
-                    slider.set_enabled(console.may_command)
+                    slider.set_enabled(visit.may_command)
                     slider.props(f'aria-label="{words}, {unit}"')
                     ui.label().bind_text_from(slider, "value", partial("{1:.2f} {0}".format, unit))
 
     def refresh(self) -> None:
         """Show who drives."""
         console, robot = self._console, self._console.robots.robots[self._visit.robot]
-        if why := console.look_only:
+        if why := self._visit.look_only:
             self._who.text = f"{why[0].upper()}{why[1:]}."
             self._control.set_enabled(False)
             return
@@ -94,6 +94,8 @@ class DrivePanel:
 
     async def _toggle(self) -> None:
         """Do what the button says: pressed twice, "Take control" does not release what it has just taken."""
+        if not self._visit.may_command:
+            return
         robot = self._console.robots.robots[self._visit.robot]
         drive = self._console.drive_of(robot.name)
         if self._control.text == _RELEASE:
@@ -104,7 +106,7 @@ class DrivePanel:
         self.refresh()
 
     def _choose(self, index: int, event: ValueChangeEventArguments[float]) -> None:
-        if not self._console.may_command:
+        if not self._visit.may_command:
             return
         drive = self._console.drive_of(self._visit.robot)
         if drive.holder in (None, self._visit):

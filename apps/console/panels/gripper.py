@@ -34,7 +34,7 @@ class GripperPanel:
                     for name, words in _MOTIONS
                 ]
                 halt = ui.button("Halt", on_click=lambda: visit.cancel_motions())
-                halt.props("outline dense no-caps color=negative").set_enabled(console.may_command)
+                halt.props("outline dense no-caps color=negative").set_enabled(visit.may_command)
 
     def refresh(self) -> None:
         """Show where it is."""

@@ -41,7 +41,7 @@ class OutputsPanel:
                 switch = ui.button(str(number), on_click=lambda number=number, on=on: self._switch(number, not on))
                 look = "" if on else "outline"
                 switch.props(f'dense no-caps {look} aria-label="Output {number}" aria-pressed={str(on).lower()}')
-                switch.set_enabled(self._console.may_command)
+                switch.set_enabled(self._visit.may_command)
 
     async def _switch(self, number: int, on: bool) -> None:
         bit = 1 << number
@@ -65,7 +65,7 @@ class SonarPanel:
         robot = self._console.robots.robots[self._visit.robot]
         on = robot.state is not None and bool(robot.state.sonar)
         self._switch.text = "Switch it off" if on else "Switch it on"
-        self._switch.set_enabled(self._console.may_command and robot.is_connected)
+        self._switch.set_enabled(self._visit.may_command and robot.is_connected)
         message = robot.newest(keys.SONAR)
         ranges = [each.range for each in message.ranges if each.range < each.max_range] if message is not None else []
         self._nearest.text = f"nearest echo {min(ranges):.2f} m" if on and ranges else "no echo" if on else "off"
@@ -89,7 +89,7 @@ class PowerPanel:
             self._output = ui.select(names, label="Output", value=names[0] if names else None).classes("rv-name")
             for words, on in (("On", True), ("Off", False)):
                 ui.button(words, on_click=lambda on=on: self._switch(on)).props("outline dense no-caps")
-        disable_if_looking(console, row)
+        disable_if_looking(visit, row)
 
     def refresh(self) -> None:
         """Nothing is reported of them."""

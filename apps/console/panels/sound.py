@@ -26,7 +26,7 @@ class SoundPanel:
             if sounds:
                 chosen = ui.select(sounds, label="Sound", on_change=lambda event: self._play(number=event.value))
                 chosen.classes("rv-name")
-        disable_if_looking(console, row)
+        disable_if_looking(visit, row)
 
     def refresh(self) -> None:
         """Nothing is reported of sounds."""

@@ -43,7 +43,7 @@ class StatusPanel:
         for name, words in _facts(robot, self._console.robots.clock()).items():
             self._facts[name].text = words
         state = robot.state
-        may = self._console.may_command and robot.is_connected
+        may = self._visit.may_command and robot.is_connected
         self._motors.text = "Switch the motors off" if state is not None and state.motors else "Switch the motors on"
         self._motors.set_enabled(may and not robot.is_stopped)
         self._halt.set_enabled(may)

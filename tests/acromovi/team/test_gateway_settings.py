@@ -4,7 +4,9 @@ import json
 import os
 import re
 import shlex
+import shutil
 import subprocess
+from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
@@ -16,7 +18,9 @@ from configs import ConfigError
 from gateway.__main__ import parse_arguments
 from gateway.settings import load_settings
 from p2os_emu.__main__ import main as p2os_emu
+from tests.waiting import patience
 
+ANALYZE = shutil.which("systemd-analyze")
 TEAM = """\
 [[robots]]
 name = "happy"
@@ -150,6 +154,29 @@ def test_units_start_what_the_team_would(file: Path, tmp_path: Path, capsys: pyt
     assert load_settings(Path(words[words.index("--config") + 1])).use_gyro
     assert "Restart=always" in unit
     assert "After=acromovi-gateway-doc.service" in (folder / "acromovi-agents-doc.service").read_text()
+
+
+@pytest.mark.skipif(ANALYZE is None, reason="systemd-analyze is not installed")
+def test_systemd_finds_nothing_wrong_with_units(file: Path, tmp_path: Path) -> None:
+    folder = tmp_path / "100% of 'my' $units; all"
+    assert main(["up", str(file), "--units", str(folder), "--bus", "lan"]) == 0
+    units = sorted(folder.glob("*.service"))
+    assert verified(units) == ""
+    unit = units[0]
+    unit.write_text(unit.read_text().replace("Restart=always", "Restart=never\nRestrat=always"))
+    found = verified([unit])
+    assert "Restrat" in found
+    assert len(found.splitlines()) == 2, "it finds a value and a setting that do not exist"
+
+
+def verified(units: Sequence[Path]) -> str:
+    """What `systemd-analyze verify` finds in units of a user: of them alone, not of the units of this machine."""
+    command = [str(ANALYZE), "verify", "--user", "--man=no", "--recursive-errors=no", *map(str, units)]
+    environment = {**os.environ, "XDG_RUNTIME_DIR": str(units[0].parent), "SYSTEMD_LOG_COLOR": "0"}
+    told = subprocess.run(command, env=environment, capture_output=True, text=True, check=False, timeout=patience(30.0))
+    lines = [line for line in told.stderr.splitlines() if any(unit.name in line for unit in units)]
+    assert lines or told.returncode == 0, told.stderr
+    return "\n".join(lines)
 
 
 def test_a_team_without_a_real_robot_has_no_units(file: Path, capsys: pytest.CaptureFixture[str]) -> None:

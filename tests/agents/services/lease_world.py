@@ -147,6 +147,10 @@ class LeaseWorld:
         assert isinstance(agent, Agent)
         return agent
 
+    async def end(self, agent: AgentName) -> None:
+        """End the process of an agent in good order."""
+        await self._containers.pop(agent).close()
+
     def kill(self, agent: Agent) -> None:
         """Its process dies: nothing of it is heard any more."""
         self.kill_named(agent.name)

@@ -391,3 +391,18 @@ def test_inform_of_an_arbiter_is_a_proper_message(world: LeaseWorld) -> None:
         ARBITER,
         given["lease"],
     )
+
+
+def test_news_that_were_on_their_way_when_the_arbiter_ended_change_nothing(world: LeaseWorld) -> None:
+    """A team that is ended dies all at once: agents and gateways go and come while the arbiter is taken down."""
+    app = world.holder("app")
+    world.ask(app, "lease", element="base@happy", seconds=60.0).value()
+    ending = world.agent(ARBITER)
+    assert isinstance(ending, Arbiter)
+    world.do(world.end(ARBITER))
+    told: list[Any] = []
+    app.bus.subscribe(f"{ARBITER.platform}/agents/{ARBITER.local}/results", told.append)
+    ending._on_life(app.name, False)
+    ending._on_robot("happy/alive", True)
+    world.run(1.0)
+    assert told == []

@@ -11,12 +11,14 @@ from tests.recorder.recordings import START, odometry, sample
 
 SECONDS = 8
 ESTOP_AT, LEASE_AT, GONE_AT = 3.0, 2.0, 6.0  # s
+GOAL_AT, WAY_AT, THERE_AT = 4.5, 5.0, 7.0  # s
+GOAL = 2.0, 1.0  # m in odom
 DRIVEN = 0.1  # m/s
 ELEMENTS = [{"name": name} for name in ("base", "sonar", "sound")]
 
 
 def recorded_drive(path: Path) -> Path:
-    """Record two robots: happy drives, is stopped and gets a lease; max goes away."""
+    """Record two robots: happy drives, is stopped, gets a lease and has a mission; max goes away."""
     writer = RecordingWriter(path, "test")
     for robot in ("happy", "max"):
         writer.add_token(f"{robot}/alive", True, START)
@@ -38,9 +40,31 @@ def recorded_drive(path: Path) -> Path:
             stamp = header(now, "")
             state = RobotState(stamp, "connected", True, ESTOP_AT <= at < ESTOP_AT + 1.0, True, 0, [])
             writer.add(sample(keys.STATE.key("happy"), state), now)
+        for key, message in mission_messages(at):
+            writer.add(sample(f"happy/navigation/{key}", message), now)
         writer.flush(now)
     writer.close()
     return path
+
+
+def mission_messages(at: float) -> list[tuple[str, dict[str, object]]]:
+    """What the components of a navigation tell each other at a time, s, and noise on the same keys."""
+    x, y = GOAL
+    message = {"stamp": at, "component": "path_planning", "mission": "m1", "level": "info"}
+    if at == GOAL_AT:
+        return [("path_planning/send/GoalPoint", {"mission": "m1", "x": x, "y": y, "heading": None, "frame": "odom"})]
+    if at == WAY_AT:
+        way = {"stamp": at, "order": 1, "aim": "go", "x": x, "y": y, "path": [0.6, 0.3, 1.2, 0.9]}
+        return [
+            ("user_interface/send/LogMessage", {**message, "what": "going: the way leads ahead"}),
+            ("user_interface/send/LogMessage", {**message, "what": "the fuser is silent: it is frozen"}),
+            ("goto/send/WorldCoord", {"aim": "go", "x": "there", "path": {}}),
+            ("goto/send/WorldCoord", way),
+            ("user_interface/send/LogMessage", {"mission": 5, "what": ["noise"]}),
+        ]
+    if at == THERE_AT:
+        return [("user_interface/send/LogMessage", {**message, "what": "done: there, after 2.2 m"})]
+    return []
 
 
 def ranges(disc: int, far: float) -> RangeArray:

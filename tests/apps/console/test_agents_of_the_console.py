@@ -24,6 +24,7 @@ from apps.console.composing import DraftNotValid, draft_of
 from apps.console.data_view import table_of, text_of
 from apps.console.request_form import FieldNotValid, FormField, arguments_of, entries_of, fields_of
 from apps.console.sniffer_feed import MessageLog, message_row
+from apps.console.visits import Visit
 from bus import MemoryBus, MemoryNetwork, NotAllowed
 from tests.acromovi.sniffer.talking import A_TALK
 
@@ -237,8 +238,9 @@ class ViewersBus(MemoryBus):
 
 def test_the_role_on_the_bus_decides_what_a_page_may_do() -> None:
     def why_not(bus: MemoryBus, look_only: str) -> tuple[str, str]:
-        console: Any = SimpleNamespace(agent=SimpleNamespace(bus=bus), look_only=look_only)
-        return why_not_control(console, HAPPY), why_not_ask(console, BASE)
+        console: Any = SimpleNamespace(agent=SimpleNamespace(bus=bus))
+        visit = Visit("ticket", "page 1", look_only=look_only)
+        return why_not_control(console, visit, HAPPY), why_not_ask(console, visit, BASE)
 
     with MemoryBus() as bus, ViewersBus() as viewer:
         assert why_not(bus, "") == ("", "")

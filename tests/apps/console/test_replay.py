@@ -11,10 +11,23 @@ import pytest
 from apps.console.recorded_history import RecordedHistory
 from apps.console.replay import Replay
 from apps.console.robots import RobotWatch
+from apps.indoor_navigation.component import send_key
+from apps.indoor_navigation.data import GoalPoint, LogMessage, WorldCoord
 from bus import MemoryBus, MemoryNetwork, keys
 from bus.messages import NS_PER_S
+from recorder.recorder import Recorder
 from recorder.recording import McapRecording
-from tests.apps.console.recordings import ESTOP_AT, GONE_AT, LEASE_AT, recorded_drive
+from recorder.writer import RecordingWriter
+from tests.apps.console.recordings import (
+    ESTOP_AT,
+    GOAL,
+    GOAL_AT,
+    GONE_AT,
+    LEASE_AT,
+    THERE_AT,
+    WAY_AT,
+    recorded_drive,
+)
 from tests.recorder.recordings import START
 
 
@@ -33,13 +46,50 @@ def test_the_history_has_events_at_their_times_and_paths_until_any_time(recordin
         (LEASE_AT, "lease", "happy"),
         (ESTOP_AT, "e-stop", "happy"),
         (ESTOP_AT + 1.0, "e-stop", "happy"),
+        (WAY_AT, "mission", "happy"),
+        (WAY_AT, "mission", "happy"),
         (GONE_AT, "connection", "max"),
+        (THERE_AT, "mission", "happy"),
     ]
     path = history.paths_until(START + 4 * NS_PER_S)["happy"]
     assert path[0] == (0.0, 0.0)
     assert path[-1] == pytest.approx((0.4, 0.2))
     assert keys.STATE.key("happy") in history.slow
     assert keys.ODOM.key("happy") not in history.slow
+
+
+def test_the_history_has_the_missions_at_any_time(recording: McapRecording) -> None:
+    history = RecordedHistory.of(recording)
+
+    def mission(at: float) -> dict[str, Any]:
+        return history.missions.at(START + round(at * NS_PER_S))["happy"]
+
+    assert history.missions.at(START) == {}
+    told = mission(GOAL_AT + 0.1)
+    assert (told["goal"], told["route"], told["state"], told["mission"]) == ([*GOAL, None], [], "told", "m1")
+    under_way = mission(WAY_AT + 0.1)
+    assert under_way["route"] == [[0.6, 0.3], [1.2, 0.9], list(GOAL)]
+    assert (under_way["goal"], under_way["state"], under_way["why"]) == ([*GOAL, None], "going", "the way leads ahead")
+    there = mission(THERE_AT + 0.1)
+    assert (there["goal"], there["route"], there["state"], there["why"]) == (None, [], "done", "there, after 2.2 m")
+    assert mission(GOAL_AT + 0.1) == told, "a jump back shows what was then"
+
+
+def test_what_the_navigation_sends_is_recorded_and_found_again(tmp_path: Path) -> None:
+    goal = GoalPoint("m1", 2.0, 1.0)
+    path = tmp_path / "sent.mcap"
+    network = MemoryNetwork()
+    with MemoryBus(network) as robot, Recorder(MemoryBus(network), ["happy/**"], RecordingWriter(path, "test")):
+        for receiver, sent in (
+            ("path_planning", goal),
+            ("goto", WorldCoord(1.0, 1, "go", 2.0, 1.0, path=(0.5, 0.5))),
+            ("user_interface", LogMessage(1.0, "path_planning", "m1", "info", "going: the way leads ahead")),
+        ):
+            robot.put(send_key("happy", receiver, type(sent)), sent.to_json())
+    with McapRecording.open([path]) as recording:
+        mission = RecordedHistory.of(recording).missions.at(recording.end_ns)["happy"]
+    assert (mission["goal"], mission["route"]) == ([2.0, 1.0, None], [[0.5, 0.5], [2.0, 1.0]])
+    assert (mission["mission"], mission["state"]) == ("m1", "going")
 
 
 def test_a_jump_shows_what_stood_there_and_a_paused_replay_holds_it(recording: McapRecording) -> None:

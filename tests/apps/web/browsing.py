@@ -45,7 +45,7 @@ def serving(*words: str, folder: Path = ROOT) -> "Iterator[tuple[subprocess.Pope
         try:
             assert process.stdout is not None
             line = process.stdout.readline()
-            address = re.search(r"http://\S+", line)
+            address = re.search(r"https?://\S+", line)
             assert address, f"no page is served: {line}"
             yield process, address[0]
         finally:

@@ -7,7 +7,7 @@ import pytest
 from playwright.sync_api import BrowserContext
 
 from tests.apps.console.in_a_browser.browsing import ConsoleTab
-from tests.apps.console.recordings import DRIVEN, ESTOP_AT, recorded_drive
+from tests.apps.console.recordings import DRIVEN, ESTOP_AT, GOAL, THERE_AT, WAY_AT, recorded_drive
 from tests.apps.web.browsing import needs_chromium, serving
 
 pytestmark = needs_chromium
@@ -56,6 +56,24 @@ def test_a_click_on_an_event_goes_to_its_time_and_the_robot_is_shown_as_it_was(r
     tab.wait(lambda: abs(position(tab) - ESTOP_AT) < 0.01, "it is at the time of the stop")
     tab.page.locator(".c-chip.c-alarm", has_text="happy").wait_for()
     tab.page.locator(".c-later", has_text="is free again").wait_for()
+
+
+def test_goal_way_and_state_of_a_mission_are_shown_where_it_stood(replayed: ConsoleTab) -> None:
+    tab = replayed
+    tab.go("/?robot=happy")
+    tab.page.locator(".c-chip", has_text="happy").wait_for()
+    if tab.page.get_by_role("button", name="Pause").count():
+        tab.press("Pause")
+    go_to(tab, WAY_AT + 0.5)
+    tab.sees("m1: going (the way leads ahead)")
+    words = f"on its way to x {GOAL[0]:.1f} m, y {GOAL[1]:.1f} m, by a way of 3 places"
+    tab.page.locator(".c-unseen", has_text=words).wait_for()
+    assert not tab.page.get_by_role("button", name="Cancel the mission").count()
+    tab.go("/timeline")
+    tab.page.get_by_role("row").filter(has_text="there, after 2.2 m").click()
+    tab.wait(lambda: abs(position(tab) - THERE_AT) < 0.01, "it is at the end of the mission")
+    tab.go("/?robot=happy")
+    tab.sees("m1: done (there, after 2.2 m)")
 
 
 def test_robots_of_a_recording_are_marked_and_cannot_be_commanded(replayed: ConsoleTab) -> None:
