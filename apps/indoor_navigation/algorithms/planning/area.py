@@ -24,7 +24,8 @@ class Area(NamedTuple):
     walls: hit for some time and never free before. hit_at: s of the last hit. theirs_at: s when a walking person was
     there last. echo: evidence of what sonar hears and the laser sees through. heard_from: direction of the disc that
     heard it last, from the cell, rad. body: cells of what may be a person now. forbidden: cells that no robot may
-    enter, whatever sensors show.
+    enter, whatever sensors show. surface_x, surface_y: where in a cell with an obstacle its surface is, m from the
+    middle of the cell: cells are wider than the errors of a laser.
     """
 
     x: float
@@ -39,6 +40,8 @@ class Area(NamedTuple):
     heard_from: Singles
     body: Bools
     forbidden: Bools
+    surface_x: Singles
+    surface_y: Singles
 
     @classmethod
     def of(cls, x: float, y: float, resolution: float, evidence: Evidence) -> "Area":
@@ -49,7 +52,8 @@ class Area(NamedTuple):
         silent, unheard = np.zeros(evidence.shape, np.int8), np.zeros(evidence.shape, np.float32)
         nobody, allowed = np.zeros(evidence.shape, bool), np.zeros(evidence.shape, bool)
         since = long_ago, long_ago.copy()
-        return cls(x, y, resolution, evidence, never, fixed, *since, silent, unheard, nobody, allowed)
+        middle = unheard.copy(), unheard.copy()
+        return cls(x, y, resolution, evidence, never, fixed, *since, silent, unheard, nobody, allowed, *middle)
 
     @property
     def occupied(self) -> Bools:
@@ -82,21 +86,7 @@ class Area(NamedTuple):
     def window(self, rows: slice, columns: slice) -> "Area":
         """Return a part of the area that shares its memory."""
         x, y = self.x + columns.start * self.resolution, self.y + rows.start * self.resolution
-        here = rows, columns
-        return Area(
-            x,
-            y,
-            self.resolution,
-            self.evidence[here],
-            self.first_hit[here],
-            self.fixed[here],
-            self.hit_at[here],
-            self.theirs_at[here],
-            self.echo[here],
-            self.heard_from[here],
-            self.body[here],
-            self.forbidden[here],
-        )
+        return Area(x, y, self.resolution, *(layer[rows, columns] for layer in self[3:]))  # type: ignore[arg-type]  # the layers in their order
 
     def around(self, *places: Place, margin: float) -> "Area":
         """Return the part around these places, with a margin in m, limited to the area."""

@@ -9,7 +9,7 @@ from math import ceil, hypot
 import numpy as np
 
 from apps.indoor_navigation.algorithms.outline import Outline
-from apps.indoor_navigation.algorithms.planning.area import Area
+from apps.indoor_navigation.algorithms.planning.area import OCCUPIED, Area
 from apps.indoor_navigation.algorithms.planning.terrain import distances
 from apps.indoor_navigation.data import Bools, Floats
 
@@ -27,7 +27,10 @@ class Clearance:
         self._reach = float(np.hypot(self._along, self._aside).max())
         self._farthest = farthest
         self._x, self._y, self._resolution = area.x, area.y, area.resolution
-        self._map = distances(obstacles, self._reach + farthest, area.resolution)
+        # Bodies and forbidden cells fill their cells; what was hit has its surface somewhere in its cell.
+        is_hit = area.evidence >= OCCUPIED
+        surfaces = area.surface_x * is_hit, area.surface_y * is_hit
+        self._map = distances(obstacles, self._reach + farthest, area.resolution, surfaces)
 
     @property
     def distances(self) -> Floats:
@@ -92,8 +95,10 @@ def _covering(outline: Outline) -> tuple[Floats, Floats, Floats]:
     radii = [np.full(sum(map(len, along)), radius)]
     half = outline.width / 2.0
     inner = np.linspace(-outline.rear + half, max(outline.front - half, -outline.rear + half), 3)
+    # Discs along the edge cover what is near it; discs of the whole width would be too near to both sides of a gap, by
+    # the error of the distances in the middle between two obstacles.
     return (
         np.concatenate([*along, inner]),
         np.concatenate([*aside, np.zeros(len(inner))]),
-        np.concatenate([*radii, np.full(len(inner), half)]),
+        np.concatenate([*radii, np.full(len(inner), half - radius / 2.0)]),
     )

@@ -40,6 +40,7 @@ SEAM_PARTS = 12  # of the seam between two hits; at most 5 cm each, the edge of 
 MAX_GAP = 0.04  # rad between two rays of a scan with nothing between their ends but what one of them hits
 SAME_WALL = 0.15  # m between a wall of the map and where it is seen
 WRONG_SHARE = 0.15  # of walls of the map that are not there, beside those that are; above, the map does not fit
+SURFACE_SHARE = 0.3  # of a new hit in the place of the surface in a cell with an obstacle; the rest is that before
 MAX_SEAM = 0.6  # m between two hits of one surface
 
 
@@ -149,6 +150,8 @@ class Grid:
             np.pad(area.heard_from, pad),
             np.pad(area.body, pad),
             np.pad(area.forbidden, pad),
+            np.pad(area.surface_x, pad),
+            np.pad(area.surface_y, pad),
         )
         return True
 
@@ -164,8 +167,10 @@ class Grid:
         rays = _BelievedRays.of(scanned.followed_by(sonar.where(~is_watched)), self._parameters)
         area = self.area
         passed = np.concatenate((self._passed(rays), self._passed(rays.between)))
-        hits = self._flat(rays.end_x[rays.hits], rays.end_y[rays.hits])
-        kept = self._flat(*_seams(rays.end_x[rays.hits], rays.end_y[rays.hits]))
+        end_x, end_y = rays.end_x[rays.hits], rays.end_y[rays.hits]
+        hits = self._flat(end_x, end_y)
+        self._place_surfaces(end_x, end_y)
+        kept = self._flat(*_seams(end_x, end_y))
         votes = np.zeros(area.evidence.size, np.int8)
         votes[passed] = PASSED
         votes[kept] = 0
@@ -194,6 +199,19 @@ class Grid:
         part = self.area.around((x, y), margin=radius)
         part.evidence[:], part.echo[:] = 0, 0
         part.first_hit[:], part.fixed[:] = NEVER, False
+
+    def _place_surfaces(self, x: Floats, y: Floats) -> None:
+        """Update where in their cells the hit surfaces are, before the evidence of the hits is added."""
+        area = self.area
+        height, width = area.evidence.shape
+        right, up = (x - area.x) / area.resolution, (y - area.y) / area.resolution
+        inside = (right >= 0.0) & (right < width) & (up >= 0.0) & (up < height)
+        right, up = right[inside], up[inside]
+        columns, rows = right.astype(np.intp), up.astype(np.intp)
+        share = np.where(area.evidence[rows, columns] >= OCCUPIED, SURFACE_SHARE, 1.0)
+        for surface, found in ((area.surface_x, right - columns), (area.surface_y, up - rows)):
+            before = surface[rows, columns]
+            surface[rows, columns] = before + share * ((found - 0.5) * area.resolution - before)
 
     def _date(self, hit: Ints, free: Ints, stamp: float) -> None:
         """Update the times of hits and the walls."""

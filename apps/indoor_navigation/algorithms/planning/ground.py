@@ -22,7 +22,7 @@ from apps.indoor_navigation.data import Bools, Floats, Place, Pose
 
 COARSE = 2  # cells of the grid along the edge of a cell of the flat terrain
 START_RANGE = 0.3  # m around the robot within which it may be as near to obstacles as it is
-MAX_LACK = 0.5  # cells of the grid that the room may lack, because an obstacle may be anywhere in its cell
+MAX_LACK = 0.2  # cells of the grid that the room may lack, because of the errors of sensors and odometry
 WORSE = 0.02  # m that the room near the start may be less than at the start
 
 

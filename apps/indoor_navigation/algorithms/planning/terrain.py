@@ -7,13 +7,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from apps.indoor_navigation.algorithms.planning.area import Area
+from apps.indoor_navigation.algorithms.planning.area import Area, Singles
 from apps.indoor_navigation.data import Bools, Floats, Ints, Place
 
 BARRED = 1e6  # cost of a metre where the robot does not fit; no way that is free costs as much
 START_COST = 20.0  # likewise, but at the robot's place, so that a way out can be found
 START_MARGIN = 0.15  # m around the robot where this cost applies, beside the half width; grid cells are coarse
 ROUNDING = 1e-6  # m, of distances
+DIGIT = 128  # above twice the cells that distances reach to, as the base of numbers that contain rows and columns
 SAMPLES = 2.0  # of a line per cell, so that it does not miss a corner of a cell
 
 
@@ -162,22 +163,48 @@ def covered(area: Area, strips: Iterable[Strip]) -> Bools:
     return np.asarray(onto > 0.0)
 
 
-def distances(occupied: Bools, farthest: float, resolution: float) -> Floats:
-    """Return the distance of each cell from the nearest occupied cell, m, between their middles; exact to `farthest`.
+def distances(
+    occupied: Bools, farthest: float, resolution: float, surfaces: tuple[Singles, Singles] | None = None
+) -> Floats:
+    """Return the distance of the middle of each cell from the nearest occupied cell, m; exact to `farthest`.
 
     First the distance within each row, from the last occupied cell on either side; then the minimum over the rows.
+
+    Args:
+        occupied: Flags of the cells, in rows.
+        farthest: m; cells that are farther away have any greater distance.
+        resolution: Edge of a cell, m.
+        surfaces: x and y from the middle of each cell to what is in it, m; by default the middle itself.
     """
     reach = ceil(farthest / resolution) + 1
     width = occupied.shape[1]
     columns = np.arange(width)
-    last = np.maximum.accumulate(np.where(occupied, columns, -2 * reach), axis=1)
-    following = np.minimum.accumulate(np.where(occupied, columns, width + 2 * reach)[:, ::-1], axis=1)[:, ::-1]
-    in_row = np.minimum(np.minimum(columns - last, following - columns), reach).astype(np.int16) ** 2
+    left = columns - np.maximum.accumulate(np.where(occupied, columns, -2 * reach), axis=1)
+    right = np.minimum.accumulate(np.where(occupied, columns, width + 2 * reach)[:, ::-1], axis=1)[:, ::-1] - columns
+    squared = np.minimum(np.minimum(left, right), reach).astype(np.int32) ** 2
+    if surfaces is None:
+        nearest = _least_over_rows(squared.astype(np.int16), reach, 1, 0)
+        return np.asarray(np.sqrt(np.arange(int(nearest.max(initial=0)) + 1)) * resolution)[nearest]
+    # The rows and columns to the nearest cell are kept in the low digits of its squared distance.
+    aside = np.clip(np.where(left <= right, -left, right), -reach, reach).astype(np.int32)
+    nearest = _least_over_rows(squared * DIGIT**2 + aside + (DIGIT + 1) * (DIGIT // 2), reach, DIGIT**2, DIGIT)
+    away = np.full(occupied.shape, reach * resolution)
+    row, column = np.nonzero(nearest < reach**2 * DIGIT**2)
+    found = nearest[row, column] % DIGIT**2
+    up, right = found // DIGIT - DIGIT // 2, found % DIGIT - DIGIT // 2
+    at = row + up, column + right
+    away[row, column] = np.hypot(right * resolution + surfaces[0][at], up * resolution + surfaces[1][at])
+    return away
+
+
+def _least_over_rows(in_row: Ints, reach: int, square: int, row: int) -> Ints:
+    """Return the least sum of a value of some row and the square of the rows up to there, in these units."""
     nearest = in_row.copy()
     for away in range(1, min(reach, len(in_row) - 1) + 1):
-        np.minimum(nearest[away:], in_row[:-away] + np.int16(away**2), out=nearest[away:])
-        np.minimum(nearest[:-away], in_row[away:] + np.int16(away**2), out=nearest[:-away])
-    return np.asarray(np.sqrt(np.arange(int(nearest.max(initial=0)) + 1)) * resolution)[nearest]
+        further = away**2 * square
+        np.minimum(nearest[away:], in_row[:-away] + in_row.dtype.type(further - away * row), out=nearest[away:])
+        np.minimum(nearest[:-away], in_row[away:] + in_row.dtype.type(further + away * row), out=nearest[:-away])
+    return nearest
 
 
 def _lay(cost: Floats, area: Area, strip: Strip, where: Bools | None, value: float) -> None:

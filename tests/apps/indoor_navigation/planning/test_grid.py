@@ -48,6 +48,14 @@ def test_a_hit_is_an_obstacle_and_all_before_it_is_free() -> None:
     assert unknown(grid, 1.05, 0.5)
 
 
+def test_the_surface_in_a_cell_is_where_it_is_hit() -> None:
+    grid, rng = Grid(PARAMETERS), np.random.default_rng(1)
+    for _ in range(20):
+        grid.see(reading((3.02 + rng.normal(0.0, 0.005), 0.05, True)))
+    row, column = grid.area.cell(3.02, 0.05)
+    assert grid.area.place(row, column)[0] + grid.area.surface_x[row, column] == pytest.approx(3.02, abs=0.01)
+
+
 def test_sonar_is_believed_near_by_only() -> None:
     grid = Grid(PARAMETERS)
     ends, hits = np.array([3.05, 0.85]), np.ones(2)
