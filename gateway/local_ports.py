@@ -102,8 +102,7 @@ def _terminal(pid: int) -> int | None:
         told = (PROC / str(pid) / "stat").read_text(encoding="utf-8", errors="replace")
     except OSError:  # it has just ended
         return None
-    number = int(told.rpartition(")")[2].split()[TERMINAL_FIELD])
-    return os.makedev(number >> 8 & 0xFFF, number & 0xFF | number >> 12 & 0xFFF00) if number else None
+    return int(told.rpartition(")")[2].split()[TERMINAL_FIELD]) or None  # numbered as `stat` does
 
 
 def _arguments(pid: int) -> list[str]:

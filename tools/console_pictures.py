@@ -17,6 +17,7 @@ from PIL import Image
 from playwright.sync_api import Browser, Page, sync_playwright
 
 from tools.page_picture import FOLDER, started
+from tools.small_png import make_small
 
 SIZE, PHONE = {"width": 1280, "height": 800}, {"width": 390, "height": 800}  # px
 TALL = {"width": 1280, "height": 1080}  # px
@@ -75,6 +76,7 @@ def _take(browser: Browser, url: str, path: str, theme: str, file: Path, act: Ac
         page.mouse.move(5, size["height"] - 100)
         page.wait_for_timeout(1200)  # ms, until everything is drawn
         page.screenshot(path=file)
+    make_small(file)
     print(file)
 
 
@@ -153,6 +155,7 @@ def _side_by_side(files: list[Path], to: Path) -> None:
         page.paste(picture, (at, 0))
         at += picture.width + GAP
     page.save(to)
+    make_small(to)
     print(to)
 
 

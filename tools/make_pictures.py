@@ -32,13 +32,13 @@ from p2os_emu.world import World, load_world
 from p2os_emu.world.engine import engine
 from p2os_emu.world.mirror import FAR, NEAR, Mirror
 from p2os_emu.world.view import View
+from tools.small_png import make_small
 
 FOLDER = Path(__file__).resolve().parents[1] / "docs" / "pictures"
 PERIOD = 0.1  # s between two velocities
 LIMIT = 120.0  # s of virtual time for the round
 SIZE = 900, 680  # pixels of the picture of the team
 ABOVE = View(8.0, 4.6, 15.2, pi / 2, -1.48, 1.1)  # from above, a little from the south
-COLOURS = 200  # in the palette of a PNG
 
 
 def drive(folder: Path) -> None:
@@ -64,7 +64,7 @@ def drive(folder: Path) -> None:
             bus.put(keys.CMD_VEL.key("powerbot"), messages.twist(twist.linear, twist.angular))
             lockstep.run(PERIOD)
     draw_drive(folder / "drive.png", world, true_path, odometry_path)
-    _reduce(folder / "drive.png")
+    make_small(folder / "drive.png")
 
 
 def team(folder: Path) -> None:
@@ -84,7 +84,7 @@ def team(folder: Path) -> None:
     mirror.close()
     _label(image, file.robots)
     image.save(folder / "team.png")
-    _reduce(folder / "team.png")
+    make_small(folder / "team.png")
 
 
 def navigation(folder: Path) -> None:
@@ -100,7 +100,7 @@ def navigation(folder: Path) -> None:
             course.ask("robot_base_server", "robot"),
         )
     draw(folder / "navigation.png", shot)
-    _reduce(folder / "navigation.png")
+    make_small(folder / "navigation.png")
 
 
 def texture_lab(folder: Path) -> None:
@@ -110,7 +110,7 @@ def texture_lab(folder: Path) -> None:
         lockstep.world.place("leader", Pose2D(3.6, 3.6, 0.3))
         lockstep.world.place("follower", Pose2D(1.2, 4.0, -0.12))
         Image.fromarray(lockstep.image("follower")).save(folder / "texture_lab.png")
-    _reduce(folder / "texture_lab.png")
+    make_small(folder / "texture_lab.png")
 
 
 def _label(image: Image.Image, robots: Iterable[TeamRobot]) -> None:
@@ -130,13 +130,6 @@ def _pixel(x: float, y: float, z: float) -> tuple[float, float]:
     shown = np.reshape(engine.computeProjectionMatrixFOV(vertical, width / height, NEAR, FAR), (4, 4)).T
     across, up, _, depth = shown @ seen @ (x, y, z, 1.0)
     return (1 + across / depth) * width / 2, (1 - up / depth) * height / 2
-
-
-def _reduce(path: Path) -> None:
-    """Write a PNG anew with few colours, which makes it small."""
-    with Image.open(path) as image:
-        small = image.convert("RGB").quantize(COLOURS, dither=Image.Dither.NONE)
-    small.save(path, optimize=True)
 
 
 def main(arguments: list[str]) -> None:

@@ -13,14 +13,14 @@ from contextlib import contextmanager
 from pathlib import Path
 from shutil import which
 
-from PIL import Image
 from playwright.sync_api import Page, sync_playwright
+
+from tools.small_png import make_small
 
 ROOT = Path(__file__).resolve().parents[1]
 FOLDER = ROOT / "docs" / "pictures"
 NAME = "remote-vision.png"
 SIZE = {"width": 1280, "height": 1030}  # px
-COLOURS = 128  # in the palette of the PNG
 TEAM = """\
 world = "texture-lab"
 
@@ -103,9 +103,7 @@ def main(arguments: list[str]) -> None:
             _show(page)
             page.screenshot(path=folder / NAME)
             browser.close()
-    with Image.open(folder / NAME) as image:
-        small = image.convert("RGB").quantize(COLOURS, dither=Image.Dither.NONE)
-    small.save(folder / NAME, optimize=True)
+    make_small(folder / NAME)
     print(folder / NAME)
 
 
