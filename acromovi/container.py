@@ -230,7 +230,7 @@ async def _live(container: "Container", arguments: argparse.Namespace, end: EndR
         await end.wait()
         for task in tasks:
             task.cancel()
-        await asyncio.gather(*tasks, return_exceptions=True)
+        await asyncio.gather(*tasks, return_exceptions=True)  # each ends as cancelled
 
 
 async def _follow_robot(container: "Container", robot: str, end: EndRequest) -> None:

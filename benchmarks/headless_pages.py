@@ -63,7 +63,7 @@ async def _page(url: str, settle: float, seconds: float) -> list[float]:
         if alive.done():
             raise ConnectionError(f"the console has ended a page: {alive.exception()}")
         alive.cancel()
-        with suppress(asyncio.CancelledError):
+        with suppress(asyncio.CancelledError):  # as it is to end
             await alive
     return ages
 

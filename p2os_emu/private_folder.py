@@ -38,7 +38,7 @@ def _sweep_left_over() -> None:
 def sweep(folder: Path) -> None:
     """Remove the folder of an emulator that has ended, if it was a private one and is there still."""
     if folder.name.startswith(PREFIX):
-        shutil.rmtree(folder, ignore_errors=True)
+        shutil.rmtree(folder, ignore_errors=True)  # it may be gone already
 
 
 def _is_deserted(folder: Path) -> bool:

@@ -288,7 +288,7 @@ def _is_known(type_name: str, schema: Schema) -> bool:
     try:
         prepare(type_name)
         return True
-    except MessageError:
+    except MessageError:  # not a type that ships; its schema follows
         pass
     if schema.encoding != "ros2msg" or not schema.data:
         return False

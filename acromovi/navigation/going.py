@@ -134,7 +134,7 @@ async def _go(bus: "Bus", interface: "AgentName", arguments: argparse.Namespace)
         finally:
             if telling is not None:
                 telling.cancel()
-                await asyncio.gather(telling, return_exceptions=True)
+                await asyncio.gather(telling, return_exceptions=True)  # it was cancelled, and only prints
     return _report(ended, arguments.json)
 
 

@@ -72,7 +72,7 @@ async def _live(
             print(f"{', '.join(part.local for part in parts)} of {robot} at work; stop with Ctrl-C", flush=True)
         await end.wait()
         second.cancel()
-        await asyncio.gather(second, return_exceptions=True)
+        await asyncio.gather(second, return_exceptions=True)  # it was cancelled
 
 
 COMMAND = Subcommand(EPILOG, _add_arguments, _run)

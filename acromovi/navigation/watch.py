@@ -78,7 +78,7 @@ async def _follow(bus: "Bus", interface: "AgentName") -> None:
                 await asyncio.sleep(max(PERIOD - (time.monotonic() - begun), 0.1))
         finally:
             hearing.cancel()
-            await asyncio.gather(hearing, return_exceptions=True)
+            await asyncio.gather(hearing, return_exceptions=True)  # it was cancelled
 
 
 async def _hear(agent: "Agent", interface: "AgentName", log: deque[str]) -> None:

@@ -60,7 +60,7 @@ def main() -> None:
         with suppress(ProcessLookupError):  # it has ended before it could be kept
             kept.append(ReapedProcess(stage, pid))
     _end_in_order(kept)
-    shutil.rmtree(Path(sys.argv[1]), ignore_errors=True)
+    shutil.rmtree(Path(sys.argv[1]), ignore_errors=True)  # the team may have removed it
     if os.getpgrp() == os.getpid():  # the group is the team's, and not that of a person's shell
         os.killpg(os.getpgrp(), signal.SIGKILL)
 

@@ -152,7 +152,7 @@ class Supervisor:
                 entry.child.kill()
             elif entry.state is not ProcessState.STARTING:  # one that is being started is killed as soon as it runs
                 task.cancel()
-        await asyncio.gather(*tasks, return_exceptions=True)
+        await asyncio.gather(*tasks, return_exceptions=True)  # those that were cancelled, too
 
     async def _keep(self, entry: ProcessRow) -> None:
         loop = asyncio.get_running_loop()

@@ -110,6 +110,7 @@ class LoopThread:
         """Stop all motions at the same time."""
         halts = list(self.moving.values())
         self.moving.clear()
+        # one that fails keeps no other from ending
         await asyncio.gather(*(_in_time(halt()) for halt in halts), return_exceptions=True)
 
     def _check_thread(self) -> None:

@@ -259,7 +259,7 @@ class _PrivateContainer:
             left = asyncio.all_tasks() - {asyncio.current_task()}
             for task in left:
                 task.cancel()
-            await asyncio.gather(*left, return_exceptions=True)
+            await asyncio.gather(*left, return_exceptions=True)  # each ends as cancelled
 
     def _join(self, agent: Agent) -> None:
         try:

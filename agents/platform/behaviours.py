@@ -186,7 +186,7 @@ class Parallel(Behaviour):
         finally:
             for task in tasks:
                 task.cancel()
-            await asyncio.gather(*tasks, return_exceptions=True)
+            await asyncio.gather(*tasks, return_exceptions=True)  # the first error goes on; the others end as cancelled
 
 
 class FiniteStateMachine(Behaviour):

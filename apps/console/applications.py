@@ -133,7 +133,7 @@ class ApplicationRuns:
     async def close(self) -> None:
         """Stop all of them."""
         await asyncio.gather(*(self.stop(run) for run in self.runs))
-        await asyncio.gather(*self._reading, return_exceptions=True)
+        await asyncio.gather(*self._reading, return_exceptions=True)  # the programs have ended, and so do their pipes
 
 
 async def _read(run: ApplicationRun, process: asyncio.subprocess.Process) -> None:

@@ -92,7 +92,7 @@ class FramePlaces:
                 continue
             try:
                 truth = await emulator.ask("truth", robot=name)
-            except EmulatorRefused:
+            except EmulatorRefused:  # no robot of this emulator
                 continue
             there = Pose2D(truth["x"], truth["y"], truth["heading"])
             self._by_emulator[name] = identity, there.compose(Pose2D().relative_to(Pose2D(*pose)))

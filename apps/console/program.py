@@ -123,6 +123,7 @@ class Console:
     async def __aexit__(self, *error: object) -> None:
         for task in self._tasks:
             task.cancel()
+        # one that fails keeps no other from stopping
         await asyncio.gather(*(drive.close() for drive in self._drives.values()), return_exceptions=True)
         await self.applications.close()
         await self._open.aclose()

@@ -200,7 +200,7 @@ class RobotWatch(Closeable):
             try:
                 answers = await query(self._bus, keys.DESCRIPTION.key(robot.name), None, _ANSWER)
                 leases = await query(self._bus, keys.LEASE_STATE.key(robot.name), {}, _ANSWER)
-            except (BusError, TimeoutError):
+            except (BusError, TimeoutError):  # asked again in the next round
                 continue
             robot.description = answers[0].value
             self._note_lease(robot, leases[0].value)

@@ -51,6 +51,7 @@ class RemoteVision:
     async def __aexit__(self, *error: object) -> None:
         for task in (*self._tasks, *self._requests):
             task.cancel()
+        # one that fails keeps no other from stopping
         await asyncio.gather(*(head.close() for head in self._heads.values()), return_exceptions=True)
         await self._open.aclose()
 

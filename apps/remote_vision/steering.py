@@ -133,7 +133,7 @@ class HeadControl:
         left = [task for task in (self._sending, self._halting) if task is not None and not task.done()]
         for task in left:
             task.cancel()
-        await asyncio.gather(*left, return_exceptions=True)
+        await asyncio.gather(*left, return_exceptions=True)  # each ends as cancelled
 
     def _may_steer(self, viewing: Viewing) -> bool:
         if self.holder is not viewing:

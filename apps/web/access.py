@@ -208,7 +208,7 @@ def _session_of(scope: Scope) -> str:
         if name == b"cookie":
             try:
                 cookie = SimpleCookie(value.decode("latin-1")).get(COOKIE)
-            except CookieError:
+            except CookieError:  # somebody else's malformed cookie
                 continue
             if cookie is not None:
                 return cookie.value

@@ -58,7 +58,7 @@ class ActsServer:
         ending = list(self._clients)
         for client in ending:
             client.cancel()
-        await asyncio.gather(*ending, return_exceptions=True)
+        await asyncio.gather(*ending, return_exceptions=True)  # each ends as cancelled
 
     async def _serve(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         task = asyncio.current_task()

@@ -110,7 +110,7 @@ class Control:
         """Refuse the orders under way, except those that stop an agent."""
         for task in self._tasks - self._stopping:
             task.cancel()
-        await asyncio.gather(*self._tasks, return_exceptions=True)
+        await asyncio.gather(*self._tasks, return_exceptions=True)  # they have answered, or end as cancelled
         await self._arrivals.close()
         self._departures.close()
 

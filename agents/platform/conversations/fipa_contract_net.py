@@ -208,7 +208,7 @@ class _Caller:
     async def leave(self) -> None:
         """Leave the conversation; it is cancelled unless it has ended."""
         self._hearing.cancel()
-        await asyncio.gather(self._hearing, return_exceptions=True)
+        await asyncio.gather(self._hearing, return_exceptions=True)  # it was cancelled
 
     async def _hear(self) -> Outcome:
         try:

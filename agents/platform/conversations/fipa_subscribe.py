@@ -59,7 +59,7 @@ class Values:
     async def __aexit__(self, *error: object) -> None:
         assert self._hearing is not None
         self._hearing.cancel()
-        await asyncio.gather(self._hearing, return_exceptions=True)
+        await asyncio.gather(self._hearing, return_exceptions=True)  # it was cancelled
 
     def __aiter__(self) -> Self:
         return self

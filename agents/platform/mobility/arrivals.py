@@ -49,7 +49,7 @@ class Arrivals:
         """Stop waiting for agents to be settled."""
         for task in self._tasks:
             task.cancel()
-        await asyncio.gather(*self._tasks, return_exceptions=True)
+        await asyncio.gather(*self._tasks, return_exceptions=True)  # each ends as cancelled
 
     async def adopt(self, agent: Agent, migration: MigrationState, origin: str) -> None:
         """Start an agent that arrives; it waits until it is settled.

@@ -50,7 +50,7 @@ class BrowserPulse(Element, component="pulse.js"):
                     inner.cancel()
         finally:
             inner.cancel()
-            await asyncio.gather(inner, return_exceptions=True)
+            await asyncio.gather(inner, return_exceptions=True)  # it was cancelled
             self._switch(-1)
         if not inner.cancelled():
             inner.result()

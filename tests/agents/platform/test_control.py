@@ -186,6 +186,7 @@ def test_who_waits_for_an_order_is_told_that_the_container_closes(world: World) 
         asking = asyncio.ensure_future(query(world.outside, world.container.called.control_key, given, 60.0))
         await asyncio.sleep(0.1)
         await world.container.close()
+        # what it raises is looked at
         heard.extend(str(each) for each in await asyncio.gather(asking, return_exceptions=True))
 
     world.run(main())

@@ -353,7 +353,7 @@ def test_two_moves_at_once_are_one(world: World) -> None:
     world.begin()
 
     async def main() -> Any:
-        return await asyncio.gather(world.move(), world.move(), return_exceptions=True)
+        return await asyncio.gather(world.move(), world.move(), return_exceptions=True)  # both outcomes are looked at
 
     done, refused = world.run(main())
     assert done["container"] == "there"

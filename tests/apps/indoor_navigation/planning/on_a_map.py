@@ -111,7 +111,7 @@ class MapWalker(Walker):
         seek: float = 180.0,
     ) -> None:
         parameters = replace(shipped_parameters("path_planning").mission, seek=seek, sure=2.0)
-        super().__init__(plan, Drifting(Navigator(parameters, HALF_WIDTH), floor), pose)  # type: ignore[arg-type]
+        super().__init__(plan, Drifting(Navigator(parameters, HALF_WIDTH), floor), pose)  # type: ignore[arg-type]  # it drives as a Navigator does
         self._drift = drift
 
     def go_to(self, x: float, y: float, heading: float | None = None, mission: str = "m1") -> None:
