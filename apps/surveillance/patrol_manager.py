@@ -328,16 +328,14 @@ class PatrolManager(Agent):
         if alarm.follower not in ("", robot):
             self._begin(self._pass_on(alarm))
         lost = tuple(sorted(name for name, each in self.members.items() if each.is_lost and name != robot))
-        where = (
-            f"{robot} sees %s by {alarm.sensor} at ({place[0]:.1f}, {place[1]:.1f}), near {self._nearest_room(place)}"
-        )
+        where = f"by {alarm.sensor} at ({place[0]:.1f}, {place[1]:.1f}), near {self._nearest_room(place)}"
         if is_new and lost:
             alarm.may_be = lost
-            text = f"{where % 'something'}; it may be {' or '.join(lost)}, which is not localized, so nobody follows it"
-            self._tell(f"alarm {alarm.number}: {text}", alarm=alarm.number)
+            doubt = f"it may be {' or '.join(lost)}, which is not localized, so nobody follows it"
+            self._tell(f"alarm {alarm.number}: {robot} sees something {where}; {doubt}", alarm=alarm.number)
         elif is_new or (alarm.may_be and not lost):
             alarm.may_be = ()
-            self._tell(f"alarm {alarm.number}: {where % 'an intruder'}", alarm=alarm.number)
+            self._tell(f"alarm {alarm.number}: {robot} sees an intruder {where}", alarm=alarm.number)
             self._begin(self._send_follower(alarm))
 
     def _take_picture(self, robot: str, told: Mapping[str, Any]) -> None:

@@ -69,8 +69,8 @@ class Objects:
             footprint = movable.footprint(Pose2D(place.x, place.y, place.heading))
             yield MovingObject(movable.name, footprint, place.z - half, place.z + half, movable.reflector)
 
-    def are_at_rest(self) -> bool:
-        """Whether no object moves, nor has moved in the last `LOOKS_AT_REST` calls; one that tips begins slowly."""
+    def watch_for_rest(self) -> bool:
+        """Look once more; return whether the last `LOOKS_AT_REST` looks found all standing: what tips begins slowly."""
         self._looks_at_rest = self._looks_at_rest + 1 if all(map(self._stands, self._by_id)) else 0
         return self._looks_at_rest >= LOOKS_AT_REST or not self._by_id
 

@@ -315,7 +315,7 @@ class World:
         """Tell whether nothing can move before a robot wakes up; in a window, the mouse moves things."""
         if self._bystanders or self._has_window or not all(robot.is_resting for robot in self._robots.values()):
             return False
-        return self.objects.are_at_rest()
+        return self.objects.watch_for_rest()
 
     def _robot(self, name: str) -> RobotBody:
         try:
