@@ -14,7 +14,6 @@ BARRED = 1e6  # cost of a metre where the robot does not fit; no way that is fre
 START_COST = 20.0  # likewise, but at the robot's place, so that a way out can be found
 START_MARGIN = 0.15  # m around the robot where this cost applies, beside the half width; grid cells are coarse
 ROUNDING = 1e-6  # m, of distances
-DIGIT = 128  # above twice the cells that distances reach to, as the base of numbers that contain rows and columns
 SAMPLES = 2.0  # of a line per cell, so that it does not miss a corner of a cell
 
 
@@ -183,15 +182,19 @@ def distances(
     right = np.minimum.accumulate(np.where(occupied, columns, width + 2 * reach)[:, ::-1], axis=1)[:, ::-1] - columns
     squared = np.minimum(np.minimum(left, right), reach).astype(np.int32) ** 2
     if surfaces is None:
-        nearest = _least_over_rows(squared.astype(np.int16), reach, 1, 0)
+        nearest = _least_over_rows(squared.astype(np.min_scalar_type(-2 * reach**2 - 1)), reach, 1, 0)
         return np.asarray(np.sqrt(np.arange(int(nearest.max(initial=0)) + 1)) * resolution)[nearest]
-    # The rows and columns to the nearest cell are kept in the low digits of its squared distance.
-    aside = np.clip(np.where(left <= right, -left, right), -reach, reach).astype(np.int32)
-    nearest = _least_over_rows(squared * DIGIT**2 + aside + (DIGIT + 1) * (DIGIT // 2), reach, DIGIT**2, DIGIT)
+    # The rows and columns to the nearest cell, each up to `reach` in either sense, are kept as two low digits of its
+    # squared distance, in numbers that are wide enough.
+    base = 2 * reach + 1
+    aside = np.clip(np.where(left <= right, -left, right), -reach, reach)
+    numbers = squared.astype(np.min_scalar_type(-(2 * reach**2 + 1) * base**2)) * base**2
+    numbers += (aside + (base + 1) * reach).astype(numbers.dtype)
+    nearest = _least_over_rows(numbers, reach, base**2, base)
     away = np.full(occupied.shape, reach * resolution)
-    row, column = np.nonzero(nearest < reach**2 * DIGIT**2)
-    found = nearest[row, column] % DIGIT**2
-    up, right = found // DIGIT - DIGIT // 2, found % DIGIT - DIGIT // 2
+    row, column = np.nonzero(nearest < reach**2 * base**2)
+    found = nearest[row, column] % base**2
+    up, right = found // base - reach, found % base - reach
     at = row + up, column + right
     away[row, column] = np.hypot(right * resolution + surfaces[0][at], up * resolution + surfaces[1][at])
     return away

@@ -44,6 +44,21 @@ def test_distances_are_those_of_the_surfaces_in_the_nearest_cells(cells: list[tu
     assert (found[~is_near] >= 0.4 - CELL).all()
 
 
+@pytest.mark.parametrize("reach", [40, 70, 150])
+def test_distances_are_right_however_many_cells_they_reach_to(reach: int) -> None:
+    occupied = np.zeros((5, 400), np.bool_)
+    occupied[2, 200] = True
+    surfaces = np.full((5, 400), 0.01, np.float32), np.full((5, 400), -0.02, np.float32)
+    found = distances(occupied, reach * CELL, CELL, surfaces)
+    rows, columns = np.arange(5)[:, None], np.arange(400)
+    away = np.hypot((200 - columns) * CELL + 0.01, (2 - rows) * CELL - 0.02)
+    is_near = np.hypot(200 - columns, 2 - rows) <= reach
+    assert found[is_near] == pytest.approx(away[is_near], abs=1e-6)
+    assert (found[~is_near] >= (reach - 1) * CELL).all()
+    flat = distances(occupied, reach * CELL, CELL)
+    assert flat[is_near] == pytest.approx(np.hypot(200 - columns, 2 - rows)[is_near] * CELL)
+
+
 def rotated(lines: Floats, angle: float, shift: Floats) -> Floats:
     """Lines turned about the origin and moved, so that the cells lie differently."""
     c, s = cos(angle), sin(angle)
