@@ -8,7 +8,7 @@ from apps.indoor_navigation.data import Pose, RobotOdometry
 from geometry import Pose2D, Twist2D, integrate, wrap_angle
 
 MAX_LENGTH = 64  # odometries; several seconds at the rate of any robot
-MAX_EXTRAPOLATION = 0.5  # s after the newest odometry during which its speed is used
+MAX_EXTRAPOLATION = 0.5  # s after the newest odometry during which its speed is used; then nobody knows the pose
 
 # The largest motion between two odometries: measured speeds, with a factor for acceleration between them, and an
 # allowance for the slip of a push.
@@ -40,7 +40,7 @@ class PoseHistory:
         return self._seen[-1] if self._seen else None
 
     def at(self, stamp: float) -> Pose2D | None:
-        """Return the pose in odom at s since 1970; None where there is no odometry.
+        """Return the pose in odom at s since 1970; None where there is no odometry, or none any more.
 
         The pose is interpolated between two odometries, and extrapolated after the newest. Before the oldest the robot
         is taken to stand.
@@ -49,7 +49,9 @@ class PoseHistory:
             return None
         newest = self._seen[-1]
         if stamp >= newest.stamp:
-            elapsed = min(stamp - newest.stamp, MAX_EXTRAPOLATION)
+            elapsed = stamp - newest.stamp
+            if elapsed > MAX_EXTRAPOLATION:
+                return None
             return integrate(_pose_of(newest), Twist2D(newest.linear, newest.angular), elapsed)
         for before, after in pairwise(self._seen):
             if before.stamp <= stamp < after.stamp:

@@ -8,6 +8,7 @@ import numpy as np
 
 from apps.indoor_navigation.algorithms.bodies import Bodies
 from apps.indoor_navigation.algorithms.perception import Perceived
+from apps.indoor_navigation.algorithms.pose_history import is_pose_jump
 from apps.indoor_navigation.algorithms.rays import Rays, in_robot
 from apps.indoor_navigation.data import Floats, Ints, Pose
 
@@ -29,13 +30,20 @@ class Surroundings:
     def forget(self) -> None:
         """Forget all places, because the origin of odom has changed."""
         self._x = self._y = self._seen_at = np.empty(0)
+        self._pose: tuple[Pose, float] | None = None  # of the robot, at s
         self._last = Rays.none()
         self._is_scanned = self._last.is_of_scanner
         self._bodies = Bodies.none()
 
     def see(self, perceived: Perceived) -> None:
-        """Add what the sensors show, and remove remembered places that they show to be free."""
+        """Add what the sensors show, and remove remembered places that they show to be free.
+
+        Where the pose of the robot has jumped, all places from before are forgotten.
+        """
         stamp, rays = perceived.stamp, perceived.rays
+        if self._pose is not None and is_pose_jump(self._pose[0], perceived.pose, stamp - self._pose[1]):
+            self.forget()
+        self._pose = perceived.pose, stamp
         is_of_scanner = rays.is_of_scanner
         scanned = rays.where(is_of_scanner)
         is_sure = self._last.hits & self._is_scanned

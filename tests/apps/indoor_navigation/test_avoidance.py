@@ -254,6 +254,17 @@ def test_what_has_left_the_view_is_remembered_and_what_is_seen_through_is_not() 
     assert len(surroundings.places((0.0, 0.0, 0.0))[0]) == 0
 
 
+def test_what_was_seen_before_the_pose_jumped_is_forgotten() -> None:
+    surroundings = Surroundings()
+    ranges = np.full(361, 5.0)
+    ranges[:40] = 0.5  # to the right
+    surroundings.see(perceived_in(scan(ranges)))
+    surroundings.see(perceived_in(scan(np.full(361, 5.0), 0.1, (0.4, 0.0, 0.0))))
+    assert len(surroundings.places((0.4, 0.0, 0.0))[0]) > 3
+    surroundings.see(perceived_in(scan(np.full(361, 5.0), 0.2, (0.4, 0.9, 0.0))))
+    assert len(surroundings.places((0.4, 0.0, 0.0))[0]) == 0
+
+
 @given(st.floats(-pi, pi), st.floats(-pi, pi))
 def test_a_turn_ends_at_its_heading_and_not_beyond(start: float, wanted: float) -> None:
     heading, angular, told = start, 0.0, [0.0, 0.0]
