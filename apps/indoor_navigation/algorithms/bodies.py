@@ -121,8 +121,10 @@ class BodyTracker:
         track_x, track_y = self._places()
         apart: Floats = np.hypot(track_x[:, None] - x, track_y[:, None] - y)
         is_same: Bools = apart < SAME_MOTION
-        for number in np.flatnonzero(is_same.any(axis=1)):
-            self._tracks[number].move(stamp)
+        if len(self._tracks):  # a motion is that of the nearest object, not of what stands beside it
+            nearest = apart.argmin(axis=0)
+            for number in np.unique(nearest[is_same.any(axis=0)]):
+                self._tracks[number].move(stamp)
         is_known: Bools = np.asarray(is_same.any(axis=0))
         breaks = np.flatnonzero(np.hypot(np.diff(x), np.diff(y)) > CLUSTER_GAP) + 1
         for cluster in np.split(np.arange(len(x)), breaks):

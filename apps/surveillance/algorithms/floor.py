@@ -26,7 +26,7 @@ _ASIDE = 0.5  # m from a place to the nearest one where a robot can stand
 _MOST_FIELDS = 200  # that are kept; more are places where robots were, for which nobody asks again
 _SEEN, _CLEAR = 8, -8  # evidence of walls and of free floor
 # Comfortable ways, as those of the navigation; nothing here is unknown.
-_COSTS = CostParameters(0.25, 4.0, 0.05, 20.0, 1.3, 2.0, 15.0, 10.0, 10.0)
+_COSTS = CostParameters(0.25, 4.0, 0.05, 20.0, 1.3, 2.0, 15.0, 10.0, 3.0, 10.0)
 
 
 class PatrolFloor:

@@ -134,6 +134,17 @@ def test_who_walked_and_stands_is_a_body_with_motion() -> None:
     assert bodies.have_moved[0]
 
 
+def test_what_stands_where_somebody_passes_by_has_not_moved() -> None:
+    watch = Watch()
+    post = (1.5, 0.0, POST)
+    watch.look(post, poses=[ORIGIN] * 10)
+    for step in range(20):
+        bodies = watch.look(post, *person(1.1, -1.0 + 0.1 * step, pi / 2.0), poses=[ORIGIN])
+    beside = np.hypot(bodies.x - 1.5, bodies.y) < 0.3
+    assert len(bodies.x) > beside.sum() > 0
+    assert not bodies.have_moved[beside].any()
+
+
 def test_who_is_not_seen_there_any_more_has_gone() -> None:
     watch = Watch()
     assert len(watch.look(*person(1.5, 0.0)).x) == 1

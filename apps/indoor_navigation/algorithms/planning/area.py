@@ -67,8 +67,18 @@ class Area(NamedTuple):
 
     @property
     def staying(self) -> Bools:
-        """Cells with an obstacle where none has come: walls, and what stood there when the place was first seen."""
-        return (self.occupied & (self.fixed | ~np.isinf(self.first_hit))) | self.forbidden
+        """Cells with an obstacle where none has come: walls, and what stood there when the place was first seen.
+
+        What may be a person is not expected to stay.
+        """
+        return (self.occupied & (self.fixed | (~np.isinf(self.first_hit) & ~self.body))) | self.forbidden
+
+    def people(self, place: Place, beyond: float) -> Bools:
+        """Return the cells of what may be people, farther from a place than so many m; not those of walls."""
+        height, width = self.body.shape
+        across = self.x + (np.arange(width) + 0.5) * self.resolution - place[0]
+        along = self.y + (np.arange(height)[:, None] + 0.5) * self.resolution - place[1]
+        return np.asarray(self.body & ~self.fixed & (across * across + along * along > beyond * beyond))
 
     @property
     def unknown(self) -> Bools:

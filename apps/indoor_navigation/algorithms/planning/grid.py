@@ -28,6 +28,7 @@ HIT = 2  # evidence that a reading adds to a cell that a ray hits; it adds PASSE
 SURELY_FREE = -3  # evidence of a cell that is not a wall, whatever stands there later
 MAX_EVIDENCE, MIN_EVIDENCE = 8, -4  # so a few rays change a cell
 MARGIN = 5.0  # m that the area grows beyond the need, since each growth copies it
+TRACE_TIME, TRACE_SPEED = 2.0, 1.2  # s before a person moved somewhere, and m/s, within which it came there
 WALKER_TIME = 0.5  # s after a person was at a place during which a hit there belongs to the person
 ECHO, MAX_ECHO = 2, 6  # evidence of an echo that the laser sees through, and the most of it
 SIMILAR = 0.4  # rad between two directions from which a disc hears the same surfaces
@@ -171,12 +172,12 @@ class Grid:
         rays = _BelievedRays.of(scanned.followed_by(sonar.where(~is_watched)), self._parameters, reading.pose)
         part = self.area.around(reading.pose[:2], margin=margin)
         end_x, end_y = rays.end_x[rays.hits], rays.end_y[rays.hits]
-        hits = _cells(part, end_x, end_y)
+        hits = self._cells(part, end_x, end_y)
         _place_surfaces(part, end_x, end_y, hits)
         votes = np.zeros(part.evidence.shape, np.int8)
         for each in (rays, rays.between):
             votes.reshape(-1)[_passed(part, each)] = PASSED
-        votes[_cells(part, *_seams(end_x, end_y))] = 0
+        votes[self._cells(part, *_seams(end_x, end_y))] = 0
         votes[hits] = HIT
         np.clip(part.evidence + votes, MIN_EVIDENCE, MAX_EVIDENCE, out=part.evidence)
         self._put_bodies(perceived.bodies, reading.stamp)
@@ -200,6 +201,13 @@ class Grid:
         part.evidence[:], part.echo[:] = 0, 0
         part.first_hit[:], part.fixed[:] = NEVER, False
 
+    def _cells(self, part: Area, x: Floats, y: Floats) -> Cells:
+        """Return rows and columns in a part of the area of places within it."""
+        area = self.area
+        row, column = area.cell(*part.place(0, 0))
+        rows, columns = np.floor((y - area.y) / area.resolution), np.floor((x - area.x) / area.resolution)
+        return rows.astype(np.intp) - row, columns.astype(np.intp) - column
+
     def _date(self, part: Area, hits: Cells, stamp: float) -> None:
         """Update the times of hits and the walls."""
         is_free = part.evidence <= SURELY_FREE
@@ -208,23 +216,29 @@ class Grid:
         first_hit = part.first_hit[hits]
         first_hit[np.isnan(first_hit)] = stamp
         part.first_hit[hits], part.hit_at[hits] = first_hit, stamp
-        part.fixed[hits] |= stamp - first_hit >= self._parameters.settled
+        part.fixed[hits] |= (stamp - first_hit >= self._parameters.settled) & ~part.body[hits]
 
     def _put_bodies(self, bodies: Bodies, stamp: float) -> None:
-        """Replace the cells of bodies; where one moved that is not a wall, there is floor."""
+        """Replace the cells of bodies; where one moved that is not a wall, there is floor.
+
+        What was hit lately where it may have come from are its traces: a person is known only after some scans.
+        """
         self.area.body[:] = False
         for x, y, radius, has_moved in zip(
             bodies.x.tolist(), bodies.y.tolist(), bodies.radius.tolist(), bodies.have_moved.tolist(), strict=True
         ):
-            part = self.area.around((x, y), margin=radius)
+            part = self.area.around((x, y), margin=radius + TRACE_TIME * TRACE_SPEED)
             height, width = part.body.shape
             across = part.x + (np.arange(width) + 0.5) * part.resolution - x
             along = part.y + (np.arange(height)[:, None] + 0.5) * part.resolution - y
-            is_within = np.hypot(across, along) <= radius
+            away = np.hypot(across, along)
+            is_within = away <= radius
             part.body[is_within] = True
             if has_moved:
                 self._has_walkers = True
-                part.theirs_at[is_within] = stamp
+                is_trace = ~part.fixed & (stamp - part.hit_at < TRACE_TIME)
+                is_trace &= away <= radius + TRACE_SPEED * (stamp - part.hit_at)
+                part.theirs_at[is_within | is_trace] = stamp
                 part.first_hit[is_within & ~part.fixed] = PASSABLE
 
     def _hear(self, sonar: "_BelievedRays", watched: "_BelievedRays", perceived: Perceived) -> None:
@@ -280,11 +294,6 @@ def _passed(part: Area, rays: "_BelievedRays") -> Ints:
     rows *= part.evidence.shape[1]
     rows += passed(rays.origin_x - part.x, rays.cosines)
     return rows
-
-
-def _cells(part: Area, x: Floats, y: Floats) -> Cells:
-    """Return rows and columns of places within a part of the area."""
-    return ((y - part.y) / part.resolution).astype(np.intp), ((x - part.x) / part.resolution).astype(np.intp)
 
 
 def _place_surfaces(part: Area, x: Floats, y: Floats, cells: Cells) -> None:

@@ -22,12 +22,18 @@ from apps.indoor_navigation.data import Bools, Floats, Place, Pose
 
 COARSE = 2  # cells of the grid along the edge of a cell of the flat terrain
 START_RANGE = 0.3  # m around the robot within which it may be as near to obstacles as it is
-MAX_LACK = 0.2  # cells of the grid that the room may lack, because of the errors of sensors and odometry
+# Cells of the grid that the room may lack, because of the errors of sensors and odometry: for a new plan, and for the
+# present one, so that a plan that was found is not given up for the noise of the next scan.
+MAX_LACK, MAX_LACK_KEPT = 0.2, 0.5
 WORSE = 0.02  # m that the room near the start may be less than at the start
 
 
 class Ground(NamedTuple):
-    """floor: cost of a metre in each cell of the area, without obstacles. robot: its pose. room: m about it there."""
+    """What a metre costs.
+
+    floor: cost of a metre in each cell of the area, without obstacles. robot: its pose. room: m about it there. lack:
+    cells of the grid that the room may lack.
+    """
 
     area: Area
     floor: Floats
@@ -36,6 +42,7 @@ class Ground(NamedTuple):
     outline: Outline
     robot: Pose
     room: float
+    lack: float = MAX_LACK
 
     @classmethod
     def of(
@@ -73,7 +80,7 @@ class Ground(NamedTuple):
     def costs(self, x: Floats, y: Floats, heading: Floats) -> Floats:
         """Return the cost of a metre at poses in odom, arrays of one shape; BARRED where the robot does not fit."""
         room = self.clearance.room(x, y, heading)
-        costs = nearness(room, self.parameters, MAX_LACK * self.area.resolution)
+        costs = nearness(room, self.parameters, self.lack * self.area.resolution)
         least = self.room - WORSE
         if least < 0.0:
             is_start = (np.hypot(x - self.robot[0], y - self.robot[1]) < START_RANGE) & (room >= least)
@@ -85,6 +92,10 @@ class Ground(NamedTuple):
         rows = np.minimum(np.maximum((y - self.area.y) / self.area.resolution, 0.0), height - 1.0).astype(np.intp)
         columns = np.minimum(np.maximum((x - self.area.x) / self.area.resolution, 0.0), width - 1.0).astype(np.intp)
         return np.asarray(self.floor[rows, columns])
+
+    def for_present_plan(self) -> "Ground":
+        """Return the same for a plan that is driven already: it may lead through a little less room."""
+        return self._replace(lack=MAX_LACK_KEPT)
 
     def flat(self) -> Terrain:
         """Return the least cost that any heading has in the cells of a coarser grid."""

@@ -147,7 +147,7 @@ class Guide:
     def look_for_better(self, now: float) -> None:
         """Take a way that is clearly cheaper than the present one, or any way if the present one is of no use."""
         ground, plan = self._survey(now), self.plan
-        present = plan.cost(ground)
+        present = plan.cost(ground.for_present_plan())
         nearest = plan.poses[: 2 * NEXT_POSES, :2] - self._memory.place
         is_off = float(abs(nearest).max(axis=1).min()) > OFF_PLAN
         is_use = present < BARRED and not plan.beyond and not is_off
@@ -166,8 +166,10 @@ class Guide:
     def barrier(self, now: float) -> _Barrier | None:
         """Return the obstacle on the way near the robot, as of the last `advance`; None where there is none."""
         assert self._near is not None  # it has been advanced
-        ahead = self.plan.shortened(self._parameters.memory.near).first_barred(self._near)
-        return _Barrier(ahead, self.plan.cost(self._survey(now, _staying))) if ahead is not None else None
+        ahead = self.plan.shortened(self._parameters.memory.near).first_barred(self._near.for_present_plan())
+        if ahead is None:
+            return None
+        return _Barrier(ahead, self.plan.cost(self._survey(now, _staying).for_present_plan()))
 
     def make_way(self, barred: Place | None) -> bool:
         """Take a way to a place aside; return whether there is one near."""
@@ -182,7 +184,7 @@ class Guide:
 
     def is_hopeless(self, now: float) -> bool:
         """Return whether a wall is on the way."""
-        walls, beyond = self._survey(now, _walls), self._beyond
+        walls, beyond = self._survey(now, _walls).for_present_plan(), self._beyond
         if self.plan.cost(walls) >= BARRED:
             return True
         return bool(beyond) and any(walls.is_barred(place) for place in beyond)

@@ -27,8 +27,8 @@ TRAIL_SPACING = 0.1  # m between two points of the trail
 class MemoryParameters:
     """Ranges and times.
 
-    near: m around the robot within which the way is checked at each step. remember: s for which an obstacle that the
-    map does not show is remembered from one mission to the next, such as a closed door.
+    near: m around the robot within which the way is checked at each step, and within which people bar it. remember: s
+    for which an obstacle that the map does not show is remembered from one mission to the next, such as a closed door.
     """
 
     near: float
@@ -135,7 +135,7 @@ class Memory:
         Args:
             goal: In odom.
             now: s.
-            standing: Cells with obstacles that do not go away; by default all obstacles.
+            standing: Cells with obstacles that do not go away; by default all but what may be people far away.
             hope: Cost of the others.
         """
         if not self.grid.include(goal, UNKNOWN_MARGIN):
@@ -146,13 +146,18 @@ class Memory:
         for corner in corners:
             self.grid.include(corner, UNKNOWN_MARGIN)
         area = self.grid.area.around(*corners, self.place, goal, margin=UNKNOWN_MARGIN)
+        if standing is not None:
+            stands = standing(area)
+        else:  # who is far away will be elsewhere when the robot comes there
+            people = area.people(self.place, self.parameters.near)
+            stands, hope = area.occupied & ~people, self.parameters.cost.person if people.any() else 0.0
         return Ground.of(
             area,
             self.outline,
             self.parameters.cost,
             self._robot,
             hints=self._hints(now),
-            standing=standing(area) if standing else None,
+            standing=stands,
             hope=hope,
         )
 

@@ -25,7 +25,8 @@ class CostParameters:
     narrow: m beside the robot, within which `squeeze` is added besides, less with more room, because there the robot
     must drive slowly and exactly. unknown: cost of unknown floor. off_ways: likewise, once ways are remembered, because
     these are known to lead somewhere. wall: cost of unknown floor beside a door, because doors are in walls. hope: cost
-    added at an obstacle that may go away. detour: cost added where the robot was stuck lately.
+    added at an obstacle that may go away. person: likewise, at what may be a person far away. detour: likewise, where
+    the robot was stuck lately.
     """
 
     comfort: float
@@ -36,6 +37,7 @@ class CostParameters:
     off_ways: float
     wall: float
     hope: float
+    person: float
     detour: float
 
 

@@ -151,9 +151,23 @@ def test_a_body_bars_its_whole_disc_while_it_is_one_and_is_no_wall() -> None:
     assert occupied(grid, 3.05, 0.35)
     assert occupied(grid, 2.75, 0.05)
     assert not is_wall(grid, 3.05, 0.35)
-    assert is_wall(grid, 3.05, 0.05), "what the laser hits stands there, whatever it is"
+    assert not is_wall(grid, 3.05, 0.05), "who stands there may go away"
     grid.see(reading((3.05, 0.05, True), stamp=5.0))
     assert not occupied(grid, 3.05, 0.35)
+    assert is_wall(grid, 3.05, 0.05), "it was no body, and has stood there for long"
+
+
+def test_where_a_person_came_from_before_it_was_known_is_no_obstacle() -> None:
+    grid = Grid(replace(PARAMETERS, gone=1.5))
+    for stamp in np.arange(0.0, 1.0, 0.1):
+        grid.see(reading((5.05, 0.05, True), stamp=stamp))
+    for stamp, y in ((1.0, 1.05), (1.1, 1.05), (1.2, 1.05), (1.3, 0.55), (1.4, 0.55), (1.5, 0.55)):
+        grid.see(reading((3.05, y, True), stamp=stamp))
+    grid.see(with_body(reading((3.05, 0.05, True), stamp=1.8), 3.05, 0.05, moved=True))
+    assert occupied(grid, 3.05, 1.05)
+    grid.see(reading((-1.05, 0.05, True), stamp=3.5))
+    assert not occupied(grid, 3.05, 1.05)
+    assert not occupied(grid, 3.05, 0.55)
 
 
 def heard(end: float | None, *, y: float = 0.05, turned: float = 0.0, stamp: float = 0.0) -> ObstRead:

@@ -147,6 +147,18 @@ def test_with_hope_a_plan_leads_through_what_may_go_away() -> None:
     assert short.beyond[-1] == pytest.approx(tuple(plan.poses[-1, :2]))
 
 
+def test_a_plan_that_is_driven_is_kept_where_a_new_one_would_find_too_little_room() -> None:
+    start = (1.0, 3.0, 0.0)
+    plan = find_plan(ground(area(), start), (5.0, 3.0), 0.15)
+    assert plan is not None
+    post = area((2.95, 3.0 + POWERBOT.width / 2.0 - 0.01, 0.1, 2.0))
+    post.surface_y[:] = -0.018  # m, of the middle of its cells
+    assert plan.cost(ground(post, start)) >= BARRED
+    assert plan.cost(ground(post, start).for_present_plan()) < BARRED
+    wall = area((2.95, 2.0, 0.1, 2.0))
+    assert plan.cost(ground(wall, start).for_present_plan()) >= BARRED
+
+
 def test_a_robot_that_seems_to_be_in_a_wall_gets_out() -> None:
     floor = area((0.0, 0.0, 6.0, 0.8))
     start = (2.0, 0.9, 1.6)
