@@ -86,13 +86,15 @@ class Grid:
         self.area = nothing if self._map is None else self._map.copied()
         self._has_walkers = False  # whether anything has moved; most of the time nothing has
 
-    def forget_unmapped(self, before: float) -> bool:
-        """Clear obstacles on free floor of the map that were hit before s last; return whether there were any."""
-        if self._map is None:
-            return False
-        part = self._mapped()
+    def forget_passing(self, before: float) -> bool:
+        """Clear obstacles that may have gone since they were hit, before s; return whether there were any.
+
+        Those are all on free floor of the map, or without a map what has not become a wall.
+        """
+        part = self.area if self._map is None else self._mapped()
         is_there = (part.evidence >= OCCUPIED) | (part.echo >= OCCUPIED)
-        is_old = is_there & (self._map.evidence == PASSED) & (part.hit_at < before)
+        may_go = ~part.fixed & ~(part.echo >= OCCUPIED) if self._map is None else self._map.evidence == PASSED
+        is_old = is_there & may_go & (part.hit_at < before)
         part.evidence[is_old], part.echo[is_old] = PASSED, 0
         part.first_hit[is_old], part.fixed[is_old] = NEVER, False
         return bool(is_old.any())

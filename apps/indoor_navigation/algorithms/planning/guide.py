@@ -190,9 +190,11 @@ class Guide:
         return bool(beyond) and any(walls.is_barred(place) for place in beyond)
 
     def doubt_goal(self, now: float) -> bool:
-        """Forget an obstacle at the goal if it was seen from afar only, and what the map does not show and is out of
-        view; return whether there was anything."""
-        is_news = self._memory.forget_unmapped(OUT_OF_VIEW) or self._memory.doubt_map()
+        """Forget an obstacle at the goal that was seen from afar only, and what may have gone and is out of view.
+
+        Return whether there was anything.
+        """
+        is_news = self._memory.forget_passing(OUT_OF_VIEW) or self._memory.doubt_map()
         if not self._survey(now).is_barred(self.goal) or self.distance(self.goal) < SURE_RANGE:
             return is_news
         self._memory.grid.doubt(*self.goal, SURE_RANGE / 2.0)

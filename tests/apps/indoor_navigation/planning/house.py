@@ -27,6 +27,8 @@ REACH = 8.0  # m, of its laser
 STEP = 0.1  # s
 BEAMS = np.linspace(-pi / 2, pi / 2, 181)
 TURNING = 1.0  # rad/s
+BODY_RADIUS = 0.35  # m
+KNOWN_RANGE = 5.0  # m within which people are known for people
 
 
 @dataclass
@@ -139,11 +141,11 @@ class Walker:
         """A tenth of a second."""
         self.meanwhile(self)
         lines = self.plan.lines(self.time)
-        if not self.is_blind:
-            self.navigator.see(self.reading(lines), self.time)
-            if self._steps % 5 == 0:
-                self.navigator.memory.doors.see(self._doors(lines))
+        if not self.is_blind and self._steps % 5 == 0:
+            self.navigator.memory.doors.see(self._doors(lines))
         if self._steps % 2 == 0:
+            if not self.is_blind:
+                self.navigator.see(self.reading(lines), self.time)
             self.order = self.navigator.step(self.time)
             if not self.states or self.states[-1] != self.navigator.state:
                 self.states.append(str(self.navigator.state))
@@ -173,7 +175,20 @@ class Walker:
         x, y, _ = self.pose
         here = np.ones(len(ranges))
         ends = x + ranges * np.cos(angles), y + ranges * np.sin(angles)
-        return ObstRead(self.time, self.pose, None, 0.0, x * here, y * here, *ends, hits.astype(np.float64), False)
+        rays = x * here, y * here, *ends, hits.astype(np.float64)
+        return ObstRead(self.time, self.pose, None, 0.0, *rays, False, *self._bodies(angles, ranges))
+
+    def _bodies(self, angles: Floats, ranges: Floats) -> tuple[Floats, Floats, Floats, Floats]:
+        """The people in view, as what may be people: x, y, radius and whether they have moved."""
+        seen = []
+        for person in self.plan.people:
+            x, y = person(self.time)
+            away, bearing = hypot(x - self.x, y - self.y), np.arctan2(y - self.y, x - self.x)
+            beam = int(np.abs(np.cos(angles - bearing) - 1.0).argmin())
+            if away < KNOWN_RANGE and abs(wrap_angle(angles[beam] - bearing)) < 0.02 and ranges[beam] > away - 0.4:
+                seen.append((x + self.offset[0], y + self.offset[1], BODY_RADIUS, 0.0))
+        columns = np.array(seen).reshape(-1, 4).T
+        return columns[0], columns[1], columns[2], columns[3]
 
     def _doors(self, lines: Floats) -> DLEData:
         """The open doors in view, each a little off."""

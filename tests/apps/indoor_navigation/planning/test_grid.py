@@ -136,6 +136,19 @@ def test_what_never_walked_is_believed_to_stand_there_though_nobody_looks() -> N
     assert occupied(grid, 3.05, 0.05)
 
 
+def test_what_is_no_wall_is_forgotten_once_nobody_has_seen_it_for_long() -> None:
+    grid = Grid(PARAMETERS)
+    for stamp in np.arange(0.0, 5.0, 0.1):
+        grid.see(reading((0.05, 3.05, True), stamp=stamp))
+    grid.see(reading((3.05, 0.05, True), stamp=5.0))
+    grid.see(reading((3.05, 0.05, True), stamp=5.1))
+    assert not grid.forget_passing(5.0)
+    assert occupied(grid, 3.05, 0.05)
+    assert grid.forget_passing(6.0)
+    assert not occupied(grid, 3.05, 0.05)
+    assert occupied(grid, 0.05, 3.05), "a wall stays"
+
+
 def test_somebody_who_did_not_yield_is_not_forgotten() -> None:
     grid = Grid(replace(PARAMETERS, gone=1.5))
     grid.see(with_somebody(3.05, 0.05, 0.0))

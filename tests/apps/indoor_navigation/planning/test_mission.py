@@ -132,7 +132,7 @@ def test_for_somebody_who_stands_in_the_only_door_the_robot_waits() -> None:
     robot = walker(plan)
 
     def leave(robot: Walker) -> None:
-        if robot.time > 6.0:
+        if robot.time > 12.0:
             plan.people.clear()
 
     robot.meanwhile = leave
