@@ -24,7 +24,6 @@ from typing import NoReturn
 
 from bus import JSON
 from bus.keys import TOPICS
-from bus.messages import prepare
 from configs.startup import uncollected
 
 MODULES = (
@@ -46,6 +45,8 @@ def main() -> None:
     signal.set_wakeup_fd(writer, warn_on_full_buffer=False)
     signal.signal(signal.SIGCHLD, lambda number, frame: None)  # the byte in the pipe is enough
     with uncollected():  # no copy writes to what it shares
+        from bus.messages import prepare  # not at the top: who starts this server needs no messages
+
         for module in MODULES:
             import_module(module)
         for type_name in sorted({topic.type_name for topic in TOPICS} - {JSON, ""}):
