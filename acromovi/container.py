@@ -2,7 +2,6 @@
 
 import argparse
 import asyncio
-import gc
 import json
 import os
 import signal
@@ -18,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 from acromovi.options import add_apps, add_bus, add_pairs
 from acromovi.subcommand import Subcommand
 from configs.loader import ConfigError
+from configs.startup import uncollected
 
 if TYPE_CHECKING:
     from agents.platform import Container, Report
@@ -65,13 +65,13 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def _run(arguments: argparse.Namespace) -> int:
     """Host agents until a signal is received."""
-    from agents.platform import Container, Kinds
-    from agents.platform.names import ContainerName
-    from bus.session import ZenohBus
+    with uncollected():
+        from agents.platform import Container, Kinds
+        from agents.platform.names import ContainerName
+        from bus.session import ZenohBus
 
-    for module in _modules(arguments):
-        import_module(module)  # now: once agents live here, it would hold them up
-    gc.freeze()  # what was loaded stays to the end: no need to look through it, then least of all
+        for module in _modules(arguments):
+            import_module(module)  # now: once agents live here, it would hold them up
     name = arguments.name or arguments.robot or SERVICES
     platform = arguments.robot or arguments.services
     with ending_in_time() as end, ZenohBus.open(arguments.bus) as bus:

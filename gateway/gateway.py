@@ -1,6 +1,5 @@
 """Searches for one robot, brings it to the bus of the process, and prints what happens."""
 
-import gc
 import json
 import re
 import sys
@@ -11,6 +10,7 @@ from dataclasses import dataclass
 from math import inf
 from typing import TYPE_CHECKING, Any, TextIO
 
+from configs.startup import uncollected
 from gateway.bridge import Bridge
 from gateway.cables.cable import ElementThread
 from gateway.driver import Driver
@@ -102,11 +102,11 @@ class SharedBus:
         """
         with self._opening:
             if self._bus is None:
-                # Here and not at the top: loading them takes longer than the whole handshake.
-                import gateway.robot_on_bus  # noqa: F401 - used once there is a robot, and then without delay
-                from bus import ZenohBus
+                with uncollected():
+                    # Here and not at the top: loading them takes longer than the whole handshake.
+                    import gateway.robot_on_bus  # noqa: F401 - used once there is a robot, and then without delay
+                    from bus import ZenohBus
 
-                gc.freeze()  # what was loaded stays to the end: no need to look through it, then least of all
                 self._bus = ZenohBus.open(self._profile)
             return self._bus
 

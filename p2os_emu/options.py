@@ -48,6 +48,10 @@ exit codes:
 """
 
 
+class PhysicsError(Exception):
+    """There is no physics engine, or it cannot start."""
+
+
 @dataclass(frozen=True, slots=True)
 class EmulatorOptions:
     """What was asked for on the command line.

@@ -14,6 +14,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from configs import ConfigError
 from p2os import (
     BAUD_CODES,
     Command,
@@ -34,7 +35,7 @@ PARKED_REST_FROM = 2
 """The first version whose emulators let parked robots rest."""
 
 
-class RecordingError(ValueError):
+class RecordingError(ConfigError):
     """A file is not a recording, or holds nothing usable; the message says where and why."""
 
 

@@ -17,7 +17,6 @@ from p2os_emu.links.link import Link, PortError
 from p2os_emu.links.profile import LinkProfile
 from p2os_emu.microcontroller import Flash
 from p2os_emu.ports import Ports
-from p2os_emu.recording import RecordingError
 
 _NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.+-]{0,18}")
 
@@ -115,10 +114,7 @@ class EmulatedTeam:
         try:
             for tell in self.whenever_added:
                 tell(robot)
-        except RecordingError as error:
-            self.emulator.remove(name)
-            raise ConfigError(str(error)) from error
-        except PortError:
+        except (ConfigError, PortError):
             self.emulator.remove(name)
             raise
         return robot

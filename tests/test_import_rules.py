@@ -7,6 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from tools.structure import statements
+
 ROOT = Path(__file__).resolve().parents[1]
 
 BELOW: dict[str, set[str]] = {
@@ -90,7 +92,10 @@ def imported(path: Path) -> frozenset[str]:
 
 
 def _imports(path: Path) -> Iterator[str]:
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+    text = path.read_text(encoding="utf-8")
+    tree = ast.parse(text)
+    # Only where a module is imported by a call, expressions are looked through too.
+    for node in ast.walk(tree) if "import_module" in text else statements(tree):
         match node:
             case ast.Import(names=names):
                 yield from (alias.name.partition(".")[0] for alias in names)

@@ -5,7 +5,7 @@ import re
 
 import pytest
 
-from tools.structure import Module, circles, modules, repeated_classes, small_modules
+from tools.structure import Module, circles, modules, repeated_classes, small_modules, statements
 
 API = 250
 """Names at most that packages export."""
@@ -39,7 +39,7 @@ def test_few_modules_are_smaller_than_a_concept(known: dict[str, Module]) -> Non
 def test_docstrings_describe_arguments_that_are_there(known: dict[str, Module]) -> None:
     strangers = []
     for module in known.values():
-        for node in ast.walk(module.tree):
+        for node in statements(module.tree):
             if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
                 described = DESCRIBED.search(ast.get_docstring(node) or "")
                 taken = {each.arg for each in ast.walk(node.args) if isinstance(each, ast.arg)}

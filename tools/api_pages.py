@@ -265,9 +265,8 @@ def fence(code: str) -> str:
     return f"```python\n{code}\n```"
 
 
-def write(root: Path = ROOT) -> None:
+def write(texts: Mapping[Path, str], root: Path = ROOT) -> None:
     """Write the pages, and remove those of packages that are no longer public."""
-    texts = pages()
     (root / PAGES).mkdir(parents=True, exist_ok=True)
     for path in (root / PAGES).glob("*.md"):
         if path.relative_to(root) not in texts:
@@ -277,4 +276,4 @@ def write(root: Path = ROOT) -> None:
 
 
 if __name__ == "__main__":
-    write()
+    write(pages())

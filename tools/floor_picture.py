@@ -4,7 +4,7 @@ By default the floors of seed 7, into `docs/pictures/floors.svg`. All have the s
 """
 
 import sys
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
 from acromovi.svg import STYLE, document, written
@@ -31,9 +31,13 @@ LEGEND = (
 )
 
 
-def draw(seed: int) -> str:
-    """Return an SVG of the floors of all families."""
-    floors = [load_world(f"{family}:{seed}") for family in FAMILIES]
+def names(seed: int) -> list[str]:
+    """Return the names of the floors of all families."""
+    return [f"{family}:{seed}" for family in FAMILIES]
+
+
+def draw(floors: Sequence[WorldSpec], seed: int) -> str:
+    """Return an SVG of the floors of all families. seed: that they were made with, for the title."""
     parts: list[str] = []
     y = width = 40.0
     for first in range(0, len(floors), COLUMNS):
@@ -93,7 +97,8 @@ def main() -> None:
         seed = int(arguments[0]) if arguments else SEED
     except ValueError:
         sys.exit(f"tools/floor_picture.py: {arguments[0]!r} is no seed: give a whole number, as 7")
-    (Path(arguments[1]) if len(arguments) > 1 else FILE).write_text(draw(seed), encoding="utf-8")
+    picture = draw([load_world(name) for name in names(seed)], seed)
+    (Path(arguments[1]) if len(arguments) > 1 else FILE).write_text(picture, encoding="utf-8")
 
 
 if __name__ == "__main__":

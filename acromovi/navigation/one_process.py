@@ -2,7 +2,6 @@
 
 import argparse
 import asyncio
-import gc
 import json
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
@@ -11,6 +10,7 @@ from acromovi.navigation.wired import add_wiring, container_name, processes
 from acromovi.options import add_bus
 from acromovi.subcommand import Subcommand
 from configs.loader import ConfigError
+from configs.startup import uncollected
 
 if TYPE_CHECKING:
     from acromovi.container import EndRequest
@@ -39,14 +39,14 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def _run(arguments: argparse.Namespace) -> int:
     """Run the components until a signal; return the exit code."""
-    from acromovi.container import await_name, ending_in_time, reporter
-    from agents.platform import Container
-    from bus.session import ZenohBus
+    with uncollected():
+        from acromovi.container import await_name, ending_in_time, reporter
+        from agents.platform import Container
+        from bus.session import ZenohBus
 
-    here = processes(arguments)  # imports the components before data arrive from the bus
+        here = processes(arguments)  # imports the components before data arrive from the bus
     if arguments.process not in here:
         raise ConfigError(f"the wiring has no process {arguments.process!r}; choose one of {', '.join(here)}")
-    gc.freeze()
     name = container_name(arguments.robot, arguments.process)
     with ending_in_time() as end, ZenohBus.open(arguments.bus) as bus:
         await_name(bus, name, end)

@@ -10,7 +10,6 @@ descriptors, for standard output and standard error. It sends `{"started": PID}`
 """
 
 import ctypes
-import gc
 import json
 import os
 import select
@@ -25,7 +24,7 @@ from typing import NoReturn
 
 from bus import JSON
 from bus.keys import TOPICS
-from bus.messages import prepare
+from configs.startup import uncollected
 
 MODULES = (
     "acromovi.container",
@@ -45,12 +44,13 @@ def main() -> None:
     reader, writer = os.pipe2(os.O_NONBLOCK | os.O_CLOEXEC)
     signal.set_wakeup_fd(writer, warn_on_full_buffer=False)
     signal.signal(signal.SIGCHLD, lambda number, frame: None)  # the byte in the pipe is enough
-    for module in MODULES:
-        import_module(module)
-    for type_name in sorted({topic.type_name for topic in TOPICS} - {JSON, ""}):
-        prepare(type_name)
-    gc.collect()
-    gc.freeze()  # so that no copy writes to what it shares
+    with uncollected():  # no copy writes to what it shares
+        from bus.messages import prepare  # not at the top: who starts this server needs no messages
+
+        for module in MODULES:
+            import_module(module)
+        for type_name in sorted({topic.type_name for topic in TOPICS} - {JSON, ""}):
+            prepare(type_name)
     with socket.socket(fileno=sys.stdin.fileno()) as link, suppress(BrokenPipeError):  # then the team has ended
         waited: list[socket.socket | int] = [link, reader]
         while True:

@@ -13,7 +13,7 @@ from agents.platform.acl import AclMessage, Performative
 from agents.platform.errors import AclError, NameNotValid
 from agents.platform.names import AgentName, ContainerName
 from bus import MessageError, Sample
-from bus.messages import decode_json
+from bus.payload import decode_json
 
 ALL_THAT_IS_SAID = "*/containers/*/said"
 SHORT_ID = 6  # characters of a conversation's id that people see

@@ -5,6 +5,8 @@ import signal
 import subprocess
 import sys
 import time
+import uuid
+from collections.abc import Iterator
 from contextlib import ExitStack
 from math import hypot
 from pathlib import Path
@@ -21,6 +23,18 @@ from p2os import Command, encode_command
 from tests.waiting import exit_code, patience, wait_until
 
 LIMIT = 15.0
+
+
+@pytest.fixture(scope="module")
+def name() -> str:
+    return f"robot-{uuid.uuid4().hex[:12]}"
+
+
+@pytest.fixture(scope="module")
+def plain(name: str) -> Iterator[EmulatedRobots]:
+    """A robot on a pseudo-terminal, of all tests that leave it standing and its port free."""
+    with emulator("--robot", f"p3dx-sh:{name}", "--world", "empty") as robots:
+        yield robots
 
 
 class Watcher:
@@ -71,11 +85,17 @@ def stands(robots: EmulatedRobots, name: str, seconds: float) -> bool:
     return True
 
 
-@pytest.mark.parametrize("way", ["pty", "tcp"])
-def test_twist_drives_the_robot_and_silence_stops_it(name: str, bus: Bus, way: str) -> None:
-    ways = ["--tcp", "0"] if way == "tcp" else []
-    robot = ("--robot", f"p3dx-sh:{name}", "--world", "empty")
-    with emulator(*robot, *ways) as robots, gateway(robots.port, "--quiet") as process:
+def test_twist_drives_the_robot_and_silence_stops_it(name: str, bus: Bus, plain: EmulatedRobots) -> None:
+    drive_and_fall_silent(name, bus, plain)
+
+
+def test_twist_drives_a_robot_on_tcp_and_silence_stops_it(name: str, bus: Bus) -> None:
+    with emulator("--robot", f"p3dx-sh:{name}", "--world", "empty", "--tcp", "0") as robots:
+        drive_and_fall_silent(name, bus, robots)
+
+
+def drive_and_fall_silent(name: str, bus: Bus, robots: EmulatedRobots) -> None:
+    with gateway(robots.port, "--quiet") as process:
         watcher = Watcher(bus, name)
         watcher.hear()
         watcher.drive_until_fast(0.3)
@@ -97,36 +117,36 @@ def test_robot_behind_radio_modems_is_dialled_driven_and_stopped(name: str, bus:
         assert stands(robots, name, 0.5)
 
 
-def test_gateway_killed_while_driving_and_started_again_never_turns_the_wheels(name: str, bus: Bus) -> None:
-    with emulator("--robot", f"p3dx-sh:{name}", "--world", "empty") as robots:
-        watcher = Watcher(bus, name)
-        with gateway(robots.port, "--quiet") as first:
-            watcher.hear()
-            watcher.drive_until_fast(0.5)
-            first.kill()
-            first.wait()
-        wait_until(lambda: stands(robots, name, 0.3))  # the watchdog
-        with gateway(robots.port, "--quiet"):
-            watcher.hear()
-            assert stands(robots, name, 1.0)
-            watcher.drive_until_fast(0.2)
+def test_gateway_killed_while_driving_and_started_again_never_turns_the_wheels(
+    name: str, bus: Bus, plain: EmulatedRobots
+) -> None:
+    watcher = Watcher(bus, name)
+    with gateway(plain.port, "--quiet") as first:
+        watcher.hear()
+        watcher.drive_until_fast(0.5)
+        first.kill()
+        first.wait()
+    wait_until(lambda: stands(plain, name, 0.3))  # the watchdog
+    with gateway(plain.port, "--quiet"):
+        watcher.hear()
+        assert stands(plain, name, 1.0)
+        watcher.drive_until_fast(0.2)
 
 
-def test_gateway_frozen_while_driving_never_turns_the_wheels_by_itself(name: str, bus: Bus) -> None:
-    with (
-        emulator("--robot", f"p3dx-sh:{name}", "--world", "empty") as robots,
-        gateway(robots.port, "--quiet") as process,
-    ):
+def test_gateway_frozen_while_driving_never_turns_the_wheels_by_itself(
+    name: str, bus: Bus, plain: EmulatedRobots
+) -> None:
+    with gateway(plain.port, "--quiet") as process:
         watcher = Watcher(bus, name)
         watcher.hear()
         watcher.drive_until_fast(0.5)
         process.send_signal(signal.SIGSTOP)
         for _ in range(20):  # commands pile up on the bus while nobody hears
             watcher.drive(0.5)
-        wait_until(lambda: stands(robots, name, 0.3))
+        wait_until(lambda: stands(plain, name, 0.3))
         process.send_signal(signal.SIGCONT)
         watcher.hear()
-        assert stands(robots, name, 1.0)
+        assert stands(plain, name, 1.0)
         watcher.drive_until_fast(0.2)
 
 
@@ -194,11 +214,10 @@ def test_doctor_finds_everything_in_order_and_leaves_the_robot_as_it_was(name: s
         assert rolled(robots, name) == pytest.approx(place, abs=1e-6)
 
 
-def test_line_on_the_terminal_says_who_is_connected_and_where(name: str) -> None:
-    with emulator("--robot", f"p3dx-sh:{name}", "--world", "empty") as robots:
-        command = [sys.executable, "-m", "gateway", robots.port, "--name", f"{name}-b"]
-        with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
-            assert process.stdout is not None
-            assert process.stdout.readline() == f"connected to {name} (p3dx-sh) at 9600 bit/s; keys under {name}-b/\n"
-            process.terminate()
-            assert exit_code(process, LIMIT) == 0
+def test_line_on_the_terminal_says_who_is_connected_and_where(name: str, plain: EmulatedRobots) -> None:
+    command = [sys.executable, "-m", "gateway", plain.port, "--name", f"{name}-b"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
+        assert process.stdout is not None
+        assert process.stdout.readline() == f"connected to {name} (p3dx-sh) at 9600 bit/s; keys under {name}-b/\n"
+        process.terminate()
+        assert exit_code(process, LIMIT) == 0

@@ -50,8 +50,8 @@ def test_sections_of_a_docstring_become_lists() -> None:
     )
 
 
-def test_a_page_of_a_package_that_is_no_longer_public_is_removed(tmp_path: Path) -> None:
+def test_a_page_of_a_package_that_is_no_longer_public_is_removed(texts: dict[Path, str], tmp_path: Path) -> None:
     (tmp_path / PAGES).mkdir(parents=True)
     (tmp_path / PAGES / "steam.md").touch()
-    write(tmp_path)
-    assert {path.relative_to(tmp_path) for path in tmp_path.rglob("*.md")} == set(pages())
+    write(texts, tmp_path)
+    assert {path.relative_to(tmp_path) for path in tmp_path.rglob("*.md")} == set(texts)

@@ -4,9 +4,11 @@ import os
 import signal
 import subprocess
 import sys
+import uuid
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from functools import partial
+from math import dist
 from pathlib import Path
 from typing import Any
 
@@ -54,6 +56,52 @@ def program(*words: str, says: bool = False) -> "Iterator[subprocess.Popen[str]]
             end(process)
 
 
+class Site:
+    """A robot and its gateway, which all tests of this file share, and the container of its agents.
+
+    robot: its name.
+    """
+
+    def __init__(self, robots: EmulatedRobots, robot: str, stack: ExitStack) -> None:
+        self.robot = robot
+        self._robots = robots
+        self._stack = stack
+        self._container: subprocess.Popen[str] | None = None
+
+    def truth(self) -> dict[str, Any]:
+        """The true state of the robot."""
+        return dict(self._robots.ask("truth")["robots"][self.robot])
+
+    def place(self) -> tuple[float, float]:
+        """Where the robot really is, m."""
+        truth = self.truth()
+        return truth["x"], truth["y"]
+
+    def container(self) -> "subprocess.Popen[str]":
+        """The process of its agents; another one, if the last was lost."""
+        if self._container is None:
+            command = ("-m", "acromovi", "container", "--robot", self.robot, "--json")
+            self._container = self._stack.enter_context(program(*command, says=True))
+        return self._container
+
+    def end_container(self) -> None:
+        """End a container that was killed or frozen."""
+        if self._container is not None:
+            if self._container.poll() is None:
+                self._container.send_signal(signal.SIGCONT)
+            end(self._container)
+            self._container = None
+
+
+@pytest.fixture(scope="module")
+def site() -> Iterator[Site]:
+    robot = f"robot-{uuid.uuid4().hex[:12]}"
+    with ExitStack() as stack:
+        robots = stack.enter_context(emulator("--robot", f"p3dx-sh:{robot}", "--world", "empty"))
+        stack.enter_context(gateway(robots.port, "--quiet"))
+        yield Site(robots, robot, stack)
+
+
 @pytest.fixture
 def bus() -> Iterator[Bus]:
     with ZenohBus.open() as opened:
@@ -78,20 +126,21 @@ def commander(robot: str, who: str, folder: Path) -> list[str]:
     [("ask", "container"), ("ask", "commander"), ("Team", "commander"), ("plain program", "commander")],
 )
 def test_a_robot_stops_when_the_commander_of_its_motion_is_lost(
-    robot: str, bus: Bus, tmp_path: Path, who: str, victim: str, how: signal.Signals
+    site: Site, bus: Bus, tmp_path: Path, who: str, victim: str, how: signal.Signals
 ) -> None:
+    robot = site.robot
     ends: list[dict[str, Any]] = []
     bus.subscribe(f"{robot}/command/result/*", lambda sample: ends.append(decode_json(sample.payload)))
     with ExitStack() as stack:
-        robots: EmulatedRobots = stack.enter_context(emulator("--robot", f"p3dx-sh:{robot}", "--world", "empty"))
-        stack.enter_context(gateway(robots.port, "--quiet"))
-        agents = stack.enter_context(program("-m", "acromovi", "container", "--robot", robot, "--json", says=True))
+        agents = site.container()
+        if victim == "container":
+            stack.callback(site.end_container)
         tokens: list[str] = []
         bus.watch_alive(f"{robot}/agents/base/alive", lambda key, is_alive: tokens.append(key))
         wait_until(lambda: tokens, "the agent of the wheels is there")
 
         def drives_or_has_ended(process: "subprocess.Popen[str]") -> bool:
-            return truth(robots, robot)["linear"] > 0.2 or bool(ends) or process.poll() is not None
+            return site.truth()["linear"] > 0.2 or bool(ends) or process.poll() is not None
 
         for _ in range(TRIES):  # a busy machine may interrupt the motion, too
             asking = stack.enter_context(program(*commander(robot, who, tmp_path)))
@@ -100,12 +149,8 @@ def test_a_robot_stops_when_the_commander_of_its_motion_is_lost(
                 break
             ends.clear()
         (agents if victim == "container" else asking).send_signal(how)
-        begin = truth(robots, robot)["x"]
-        wait_until(lambda: abs(truth(robots, robot)["linear"]) < 0.005, "the robot stands")
-        assert truth(robots, robot)["x"] - begin < FAR
+        begin = site.place()
+        wait_until(lambda: abs(site.truth()["linear"]) < 0.005, "the robot stands")
+        assert dist(site.place(), begin) < FAR
         wait_until(lambda: ends, "the end of the motion is published")
         assert ends[0]["result"] != "reached"
-
-
-def truth(robots: EmulatedRobots, robot: str) -> dict[str, Any]:
-    return dict(robots.ask("truth")["robots"][robot])
