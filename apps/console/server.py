@@ -24,7 +24,7 @@ from bus import Bus
 if TYPE_CHECKING:
     from apps.console.replay import Replay  # of the extra `recorder`
 
-_LOOK = 5.0  # s between two looks at sessions whose time is over
+_LOOK = 0.25  # s between two looks at sessions and certificates whose time is over: until then a page drives on
 
 
 async def serve(
@@ -59,8 +59,10 @@ async def serve(
         Console(agent, settings, inputs, _look_only(replay, may_command), replay) as console,
     ):
         if sessions is not None:
-            sessions.on_end = console.end_session
+            sessions.on_end = console.visits.end_session
             agent.every(_LOOK, sessions.end_old)
+        if certificate is not None:
+            agent.every(_LOOK, console.visits.end_expired)
 
         def guard(inner: ASGIApp) -> ASGIApp:
             by_password = PasswordGate(inner, sessions) if sessions is not None else None
