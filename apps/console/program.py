@@ -107,7 +107,7 @@ class Console:
             self.robots,
             self.directory,
             self.inputs.floor,
-            FramePlaces(self.inputs.starts),
+            FramePlaces(self.inputs.starts, self.inputs.floor.map_file),
             self.emulator,
             self.settings.map,
             self.may_command,
