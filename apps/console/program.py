@@ -175,7 +175,7 @@ class Console:
     async def stop_all(self, look_only: str = "") -> dict[str, str]:
         """Stop all robots by their latched emergency stops; return what each of them answers, `stopped` or a reason.
 
-        It needs no lease.
+        It needs no lease. Robots that have left the bus are not asked; see `away`.
 
         Args:
             look_only: Why the browser that asks may command nothing; empty if it may.
@@ -191,6 +191,11 @@ class Console:
         words = f"all {len(robots)} robots stopped" if not failed else f"not stopped: {failed}"
         self.timeline.tell("e-stop", "console", words if robots else "no robot is there to stop")
         return told
+
+    @property
+    def away(self) -> list[str]:
+        """Robots that have been on the bus and are not any more, so that nothing reaches them."""
+        return sorted(robot.name for robot in self.robots.robots.values() if not robot.is_there)
 
     async def release_stop(self, robot: str) -> str:
         """Release a robot's emergency stop and switch its motors on; return why that failed, empty if it did not."""

@@ -4,7 +4,7 @@ import socket
 import time
 from collections.abc import Callable
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from fastapi import FastAPI, Request, WebSocket
 from nicegui import ui
@@ -84,8 +84,8 @@ def _application(console: Console) -> FastAPI:
     app = FastAPI(openapi_url=None)
 
     @app.post(STOP_PATH)
-    async def stop(request: Request) -> dict[str, dict[str, str]]:
-        return {"robots": await console.stop_all(why_look_only(request.scope))}
+    async def stop(request: Request) -> dict[str, Any]:
+        return {"robots": await console.stop_all(why_look_only(request.scope)), "away": console.away}
 
     @app.websocket("/drive/{ticket}")
     async def drive(websocket: WebSocket, ticket: str) -> None:
