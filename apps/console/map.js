@@ -44,7 +44,7 @@ export default {
     },
   },
   created() {
-    this.world = { floor: null, robots: [], trails: {}, poses: {}, missions: {}, seen: {}, located: {}, goals: {}, overlays: [], patrol: {}, grid: null };
+    this.world = { floor: null, robots: [], trails: {}, poses: {}, missions: {}, seen: {}, located: {}, goals: {}, overlays: [], patrol: {}, people: [], grid: null };
     this.view = null; // x and y of the middle, m, and px for a m
     this.pointers = new Map();
     this.aim = null;
@@ -87,7 +87,7 @@ export default {
       this.lost = "";
       if (head.floor) this.world.floor = head.floor;
       if (head.robots) this.world.robots = head.robots;
-      for (const part of ["missions", "located", "goals", "overlays", "patrol"]) if (head[part]) this.world[part] = head[part];
+      for (const part of ["missions", "located", "goals", "overlays", "patrol", "people"]) if (head[part]) this.world[part] = head[part];
       if (head.frames !== undefined) this.frames = head.frames;
       for (const [name, trail] of Object.entries(head.trails || {})) {
         this.world.trails[name] = trail.map((value) => value / 1000);
@@ -279,6 +279,7 @@ export default {
       this.drawGoals(pen, theme);
       this.drawPatrol(pen, theme, colours);
       for (const robot of this.world.robots) this.drawOverlays(pen, robot, colours.get(robot.name));
+      this.drawPeople(pen, theme);
       for (const robot of this.world.robots) this.drawRobot(pen, theme, robot, colours.get(robot.name));
       if (this.aim) this.drawAim(pen, colours.get(this.chosen) || theme.ink);
       pen.setTransform(ratio, 0, 0, ratio, 0, 0);
@@ -533,6 +534,24 @@ export default {
         pen.stroke();
       }
       pen.restore();
+    },
+    // People of the emulated world: shoulders, and a head that is towards where they look.
+    drawPeople(pen, theme) {
+      if (!this.layers.includes("walls")) return;
+      for (const place of this.world.people) {
+        pen.save();
+        this.enter(pen, place);
+        pen.fillStyle = theme.ink;
+        pen.globalAlpha = 0.45;
+        pen.beginPath();
+        pen.ellipse(0, 0, Math.max(0.13, 4 * this.px), Math.max(0.24, 7 * this.px), 0, 0, 2 * Math.PI);
+        pen.fill();
+        pen.globalAlpha = 0.9;
+        pen.beginPath();
+        pen.arc(0.05, 0, Math.max(0.1, 3.5 * this.px), 0, 2 * Math.PI);
+        pen.fill();
+        pen.restore();
+      }
     },
     goalsShown() {
       const all = this.world.goals;

@@ -33,6 +33,7 @@ from apps.console.map_layers import (
 )
 from apps.console.overlays import OverlayWatch
 from apps.console.patrol import PatrolWatch
+from apps.console.people import PeopleWatch
 from apps.console.placing import FramePlaces
 from apps.console.robots import RobotWatch, WatchedRobot
 from apps.console.settings import MapSettings
@@ -112,6 +113,7 @@ class MapFeed:
         self.locating = LocatingWatch(agent.bus, robots, places)
         self._overlays = OverlayWatch(agent.bus, robots.clock)
         self.patrol = PatrolWatch(agent.bus, robots.clock)
+        self._people = PeopleWatch(emulator) if emulator is not None else None
         self._grid_body = b""
         self._parts["floor"] = 1, {**floor.to_json(), "cell": settings.cell_m}
         loop = asyncio.get_running_loop()
@@ -274,6 +276,8 @@ class MapFeed:
         robots = self._robots.robots
         if self._emulator is not None:
             await self.places.ask(self._emulator, robots)
+        if self._people is not None and self._watching:
+            await self._people.look(time.monotonic())
         self.locating.look()
         layout = [
             robot_layout(robots[name], self.places.of(name), standing(robots[name])) for name in self._robots.names
@@ -283,6 +287,7 @@ class MapFeed:
         is_new |= self._note("located", self.locating.located)
         is_new |= self._note("goals", self.goals)
         is_new |= self._note("overlays", self._overlays.overlays)
+        is_new |= self._note("people", self._people.places if self._people is not None else [])
         patrol = self.patrol.patrol
         is_new |= self._note("patrol", patrol.layout(self.places) if patrol is not None else {})
         if self._recorded_missions is not None:
