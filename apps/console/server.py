@@ -8,13 +8,14 @@ from typing import TYPE_CHECKING, Any
 
 from fastapi import FastAPI, Request, WebSocket
 from nicegui import ui
+from starlette.responses import PlainTextResponse
 from starlette.types import ASGIApp
 
 from apps.console.agent_panels.conversations import SNIFFER_PATH
 from apps.console.pages import PAGES, ROBOT_PAGE
 from apps.console.program import Console, ConsoleInputs
 from apps.console.settings import ConsoleSettings
-from apps.console.shell import STOP_PATH, begin_page
+from apps.console.shell import SESSION_PATH, STOP_PATH, begin_page
 from apps.web.access import PasswordGate, Sessions
 from apps.web.agent import page_agent
 from apps.web.certificates import CertificateGate, PageCertificate, why_look_only
@@ -86,6 +87,10 @@ def _application(console: Console) -> FastAPI:
     @app.post(STOP_PATH)
     async def stop(request: Request) -> dict[str, Any]:
         return {"robots": await console.stop_all(why_look_only(request.scope)), "away": console.away}
+
+    @app.get(SESSION_PATH)
+    async def session() -> PlainTextResponse:
+        return PlainTextResponse("valid")  # otherwise the gates have answered
 
     @app.websocket("/drive/{ticket}")
     async def drive(websocket: WebSocket, ticket: str) -> None:

@@ -21,7 +21,7 @@ from apps.web.viewer import STYLE
 from bus import keys
 
 CONSOLE_STYLE = Path(__file__).with_name("console.css")
-STOP_PATH = "/stop"
+STOP_PATH, SESSION_PATH = "/stop", "/session.txt"
 _THEME = "acromovi-theme"  # cookie
 _YEAR = 31_536_000  # s
 _REFRESH = 0.3  # s
@@ -46,6 +46,14 @@ class StopButton(Element, component="stop_button.js"):
     def __init__(self) -> None:
         super().__init__()
         self._props["path"] = STOP_PATH
+
+
+class SessionGuard(Element, component="session_guard.js"):
+    """Loads the page again once its session is over, though its websocket was not there to hear of that."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._props["path"] = SESSION_PATH
 
 
 def begin_page(console: Console, page: ConsolePage, pages: Sequence[ConsolePage], robot: str = "") -> None:
@@ -82,6 +90,8 @@ def begin_page(console: Console, page: ConsolePage, pages: Sequence[ConsolePage]
                 ui.button(icon="logout", on_click=lambda: _log_out()).props('flat round dense aria-label="Log out"')
             if console.replay is None:
                 StopButton()
+            if visit.session or visit.owner:
+                SessionGuard()
     with ui.element("nav").classes("c-nav").props('aria-label="Pages"'):
         for each in pages:
             if each.is_offered(console):

@@ -30,6 +30,7 @@ SHORTEST = 8  # characters of a password
 _COST = {"n": 1 << 15, "r": 8, "p": 1, "maxmem": 1 << 26}  # 32 MB, about 0.1 s
 _LONGEST = 1000  # characters of a password
 _MOST_SESSIONS = 1000
+_ENDED = "ended"  # query of the page for the password, for somebody whose session is over
 _PAGE = """<!doctype html>
 <html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width, initial-scale=1">
 <title>Log in · Acromovi</title><style>
@@ -170,7 +171,7 @@ class PasswordGate:
         elif scope["type"] == "websocket":
             await send({"type": "websocket.close", "code": 1008, "reason": "log in first"})
         elif scope["method"] == "GET" and "." not in scope["path"]:
-            await RedirectResponse("/login", 303)(scope, receive, send)
+            await RedirectResponse(f"/login?{_ENDED}" if session else "/login", 303)(scope, receive, send)
         else:
             await PlainTextResponse("log in first", 401)(scope, receive, send)
 
@@ -184,7 +185,8 @@ class PasswordGate:
             gone.delete_cookie(COOKIE)
             return gone
         if request.method != "POST":
-            return HTMLResponse(_PAGE.replace("WORDS", ""))
+            words = "<p>The session has ended; log in again.</p>" if request.url.query == _ENDED else ""
+            return HTMLResponse(_PAGE.replace("WORDS", words))
         body = await _body_of(request)
         given = parse_qs(body.decode("utf-8", "replace")).get("password", [""])[0]
         if not (begun := await self._sessions.begin(given)):

@@ -109,6 +109,10 @@ async def logs_in(browser: AsyncClient, gate: PasswordGate) -> None:
 async def logs_out(browser: AsyncClient, gate: PasswordGate) -> None:
     kept = browser.cookies[COOKIE]
     await browser.post("/logout")
+    over = await browser.get("/", headers={"cookie": f"{COOKIE}={kept}"})
+    assert over.headers["location"] == "/login?ended"
+    assert "The session has ended" in (await browser.get("/login?ended")).text
+    assert (await browser.get("/session.txt", headers={"cookie": f"{COOKIE}={kept}"})).status_code == 401
     assert await socket_reply(gate, f"{COOKIE}={kept}") == "websocket.close"
 
 

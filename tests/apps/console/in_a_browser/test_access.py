@@ -82,6 +82,7 @@ def test_nobody_comes_in_without_the_password_and_a_session_that_ends_ends_its_p
     other = context.new_page()
     other.goto(address)
     other.get_by_text("No robot is on the bus yet;").first.wait_for()
+    other.evaluate("window.socket.disconnect()")  # as one that sleeps, or is without its network
     tab.press("Log out")
     for page in (tab.page, other):  # Chromium may hang when a page is closed that is just being left
         page.get_by_label("Password of the console").wait_for()
