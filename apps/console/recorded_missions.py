@@ -27,7 +27,7 @@ def is_of_mission(key: str) -> bool:
     return key.endswith((_GOAL, _TARGET, _MESSAGE, _PLAN))
 
 
-class _Plan(NamedTuple):
+class _RecordedPlan(NamedTuple):
     """A plan. route: x and y of places in turn. doors: in the form of `map_layers.mission_layout`."""
 
     mission: str
@@ -43,7 +43,9 @@ class RecordedMissions:
 
     def __init__(self) -> None:
         self._told: dict[str, tuple[list[int], list[dict[str, Any]]]] = {}  # by robot: times, ns since 1970, and states
-        self._plans: dict[str, tuple[list[int], list[_Plan]]] = {}  # likewise; they are many, so they are kept small
+        self._plans: dict[
+            str, tuple[list[int], list[_RecordedPlan]]
+        ] = {}  # likewise; they are many, so they are kept small
 
     def take(self, key: str, message: Any, time_ns: int) -> None:
         """Take a message, in the order of the times; what is malformed is left out."""
@@ -76,7 +78,7 @@ class RecordedMissions:
 
     def _take_plan(self, robot: str, message: Mapping[str, Any], time_ns: int) -> None:
         times, plans = self._plans.setdefault(robot, ([], []))
-        plan = _Plan(str(message.get("mission", ""))[:100], *_route_and_doors(message))
+        plan = _RecordedPlan(str(message.get("mission", ""))[:100], *_route_and_doors(message))
         if plans and plan.doors == plans[-1].doors:
             plan = plan._replace(doors=plans[-1].doors)  # one list for as long as they stay the same
         times.append(time_ns)
@@ -95,7 +97,7 @@ _NOTHING: dict[str, Any] = {
 }
 
 
-def _with_plan(told: dict[str, Any], plan: _Plan) -> dict[str, Any]:
+def _with_plan(told: dict[str, Any], plan: _RecordedPlan) -> dict[str, Any]:
     """Return a mission with the doors of a plan, and its whole way while that is what the robot drives."""
     is_driven = plan.mission == told["mission"] and told["goal"] is not None
     route = [list(place) for place in zip(plan.route[::2], plan.route[1::2], strict=True)]

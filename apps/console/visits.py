@@ -112,11 +112,17 @@ class Visits:
         await self._end_all((each, why_expired(each.owner, each.expires)) for each in expired)
 
     async def _end_all(self, ended: Iterable[tuple[Visit, str]]) -> None:
-        """End pages that may stay no longer. From now on they can command nothing, though their browsers are there."""
-        pages = list(ended)
-        for visit, why in pages:
-            visit.look_only = visit.look_only or why or "you have logged out"
+        """End pages that may stay no longer.
+
+        All at once: leases that are given back slowly, or an error, keep no other robot from being stopped.
+        """
+        await asyncio.gather(*(self._end_by_rule(visit, why) for visit, why in list(ended)))
+
+    async def _end_by_rule(self, visit: Visit, why: str) -> None:
+        """End a page. From now on it can command nothing, though its browser is there."""
+        visit.look_only = visit.look_only or why or "you have logged out"
+        try:
             if visit.on_end is not None:
                 visit.on_end(why)
-        # all at once: leases that are given back slowly keep no other robot from being stopped
-        await asyncio.gather(*(self.end(visit) for visit, _ in pages))
+        finally:
+            await self.end(visit)
