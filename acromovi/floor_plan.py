@@ -29,7 +29,7 @@ def floor_plan(file: Path) -> FloorPlan:
         lines = [(line.x1, line.y1, line.x2, line.y2) for line in found.lines]
         points = found.points[:: max(1, -(-len(found.points) // _MOST_POINTS))]
         places = [(goal.name, goal.pose.x, goal.pose.y) for goal in found.cairns if goal.name]
-        return FloorPlan(file.name, lines, points=points, places=places)
+        return FloorPlan(file.name, lines, points=points, places=places, map_file=file.name)
     return _of_world(str(file))
 
 
@@ -71,4 +71,5 @@ def _read_world(name: str) -> FloorPlan:
         raise ConfigError(str(err)) from err
     walls, things = ([list(block.footprint) for block in blocks] for blocks in (spec.walls, spec.furniture))
     places = [(name, x, y) for name, (x, y) in spec.places.items()]
-    return FloorPlan(spec.name, shapes=walls, things=things, places=places)
+    map_file = Path(name).name if name.endswith(_MAP) else ""
+    return FloorPlan(spec.name, shapes=walls, things=things, places=places, map_file=map_file)

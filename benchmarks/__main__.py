@@ -49,6 +49,7 @@ GROUPS = {
     "vision": "colours, target and time to contact in drawn images, and the delay of the vision agents",
     "remote_vision": "age of an image when the browser has drawn it: over loopback, and with delay and loss",
     "console": "processor time and memory of the web console, age of its map, and how soon a joystick reaches the line",
+    "console_hour": "memory of console, browser and team while a map is open for an hour; writes console-hour.csv",
     "flood": "how soon an e-stop is obeyed while other programs flood the gateway",
     "recovery": "how soon a gateway is received again after it or its subscriber was frozen",
     "soak": "memory, threads and descriptors of a team while sessions join and leave; writes soak.csv",
@@ -74,6 +75,9 @@ def main(argv: Sequence[str] | None = None) -> int:
     parser.add_argument("--minutes", type=float, default=10.0, help="length of the cadence run (default: 10)")
     parser.add_argument("--soak-minutes", type=float, default=2.0, help="length of the soak run (default: 2)")
     parser.add_argument("--soak-pace", type=float, default=33.0, help="its sessions per minute (default: 33)")
+    parser.add_argument(
+        "--console-minutes", type=float, default=60.0, help="length of the run of console_hour (default: 60)"
+    )
     parser.add_argument(
         "--goals", type=int, default=10, help="goals of each condition of map_navigation (default: 10; all: 200)"
     )

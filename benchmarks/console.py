@@ -73,7 +73,7 @@ def measure(options: argparse.Namespace) -> list[Figure]:
 
 def _of_a_team(browser: BrowserContext) -> Iterator[Figure]:
     """Processor time, memory and age of what is drawn, with one tab and with twenty."""
-    with running_team(TEAM), _console("--team", TEAM) as (process, url), driving_team():
+    with running_team(TEAM), running_console("--team", TEAM) as (process, url), driving_team():
         page, beside = browser.new_page(), browser.new_page()
         for each, path in ((page, ""), (beside, f"robot/{BESIDE}")):
             each.goto(url + path)
@@ -148,7 +148,7 @@ def _to_the_line(browser: BrowserContext) -> Iterator[Figure]:
     """From a key to the first byte of a velocity on the robot's line, and from a tab that is closed to the stop."""
     name = "bench-console"
     moments = random.Random(SEED)
-    with CableRobot(name) as robot, gateway(robot.port, "--quiet", "--name", name), _console() as (_, url):
+    with CableRobot(name) as robot, gateway(robot.port, "--quiet", "--name", name), running_console() as (_, url):
         page = _driver(browser, url, name)
         moved = []
         for _ in range(TRIALS):
@@ -191,8 +191,8 @@ def _first(robot: CableRobot, at: float, *, moving: bool) -> float:
 
 
 @contextmanager
-def _console(*options: str) -> "Iterator[tuple[subprocess.Popen[str], str]]":
-    """The command; gives the process and the address of its pages."""
+def running_console(*options: str) -> "Iterator[tuple[subprocess.Popen[str], str]]":
+    """Run the command on the bus of the benchmarks; gives the process and the address of its pages."""
     command = [sys.executable, "-m", "acromovi", "console", "--json", "--port", "0", "--bus", default_bus(), *options]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
         try:

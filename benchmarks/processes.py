@@ -30,6 +30,12 @@ def shared_out_megabytes(pid: int) -> float:
     return next(int(row.split()[1]) for row in rows if row.startswith("Pss:")) / 1024
 
 
+def own_megabytes(pid: int) -> float:
+    """Memory a process holds that is no part of a file, MB (2**20 bytes); images of a browser are in shared memory."""
+    rows = dict(line.split(":", 1) for line in Path(f"/proc/{pid}/status").read_text(encoding="utf-8").splitlines())
+    return sum(int(rows[name].split()[0]) for name in ("RssAnon", "RssShmem")) / 1024
+
+
 def family(root: int) -> list[int]:
     """A process and all that it and its children have started."""
     parents = {}

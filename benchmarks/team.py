@@ -34,10 +34,10 @@ def measure(options: argparse.Namespace) -> list[Figure]:
     begun = time.monotonic()
     with running_team(TEAM) as team:
         start = time.monotonic() - begun
-        start_costs = _sums(team.pid, cpu_seconds)
+        start_costs = sums_by_kind(team.pid, cpu_seconds)
         time.sleep(SETTLE_S)
         idle = _shares(team.pid)
-        memory = _sums(team.pid, shared_out_megabytes)
+        memory = sums_by_kind(team.pid, shared_out_megabytes)
         with driving_team():
             time.sleep(SETTLE_S)
             driving = _shares(team.pid)
@@ -58,23 +58,23 @@ def _by_kind(name: str, values: dict[str, float], reach: float, unit: str) -> li
 
 def _shares(root: int) -> dict[str, float]:
     """Share of one core that each kind of process takes for some time, %."""
-    before, begun = _sums(root, cpu_seconds), time.monotonic()
+    before, begun = sums_by_kind(root, cpu_seconds), time.monotonic()
     time.sleep(SECONDS)
-    after, seconds = _sums(root, cpu_seconds), time.monotonic() - begun
+    after, seconds = sums_by_kind(root, cpu_seconds), time.monotonic() - begun
     return {kind: 100 * (after[kind] - before.get(kind, 0.0)) / seconds for kind in after}
 
 
-def _sums(root: int, measure: Callable[[int], float]) -> dict[str, float]:
-    """What each kind of process has, all together; measure: of one process, by its number."""
+def sums_by_kind(root: int, measure: Callable[[int], float]) -> dict[str, float]:
+    """What each kind of process has, all together; root: whose family it is. measure: of one process, by its number."""
     sums: defaultdict[str, float] = defaultdict(float)
     for pid in family(root):
         with suppress(OSError):  # it has just ended
-            sums[_kind(pid)] += measure(pid)
+            sums[kind_of(pid)] += measure(pid)
     return sums
 
 
-def _kind(pid: int) -> str:
-    """What a process of the team is, by its command line."""
+def kind_of(pid: int) -> str:
+    """What a process is that serves a team or shows it, by its command line."""
     line = Path(f"/proc/{pid}/cmdline").read_bytes().decode(errors="replace")
     parts = {
         "\0p2os_emu\0": "emulator",
@@ -82,6 +82,8 @@ def _kind(pid: int) -> str:
         "\0--services\0": "services",
         "\0container\0": "containers",
         "\0router\0": "router",
+        "\0console\0": "console",
+        "chromium": "browser",
         "\0up\0": "acromovi up",
         "\0acromovi.team.reaper\0": "reaper",
     }
@@ -89,9 +91,9 @@ def _kind(pid: int) -> str:
 
 
 @contextmanager
-def driving_team() -> Iterator[None]:
-    """Drive all robots while the block runs."""
-    names = [robot.name for robot in read_team(TEAM).robots]
+def driving_team(team: str = TEAM, ahead: float = 0.0) -> Iterator[None]:
+    """Turn all robots while the block runs; team: a name or a file. ahead: m/s, for circles in place of a spot."""
+    names = [robot.name for robot in read_team(team).robots]
     done = threading.Event()
     with ZenohBus.open() as bus:
         publishers = [bus.publisher(keys.CMD_VEL.key(name), keys.CMD_VEL.type_name) for name in names]
@@ -99,7 +101,7 @@ def driving_team() -> Iterator[None]:
         def drive() -> None:
             while not done.wait(PERIOD_S):
                 for publisher in publishers:
-                    publisher.put(twist(0.0, TURNING))
+                    publisher.put(twist(ahead, TURNING))
 
         thread = threading.Thread(target=drive)
         thread.start()

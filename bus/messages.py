@@ -9,7 +9,7 @@ import math
 import struct
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import cache
 from math import inf
 from typing import Any
@@ -212,14 +212,46 @@ def learn(type_name: str, text: str) -> None:
     """Add the definition of a message type that is unknown here, as `ros2msg`; known types stay as they are.
 
     Raises:
-        MessageError: The text is no such definition.
+        MessageError: The text is no such definition, or it lacks that of a type of a field.
     """
     try:
         found = get_types_from_msg(text, type_name)
         store = _typestore()
+        if any(name not in found and name not in store.fielddefs for name in _named_in(found.values())):
+            _know_all_of_ros()
+        whole = set(store.fielddefs)
+        for name in found:
+            _check_whole(name, found, (), whole)
         store.register({name: fields for name, fields in found.items() if name not in store.fielddefs})
-    except (SerdeError, TypesysError, SyntaxError, ValueError, KeyError) as err:
+    except (SerdeError, TypesysError, SyntaxError, ValueError, KeyError, RecursionError) as err:
         raise MessageError(f"the definition of {type_name} cannot be read: {err}") from err
+
+
+def _named_in(definitions: Iterable[Any]) -> Iterator[str]:
+    """Yield the names of the message types of all fields, also in arrays."""
+    for _, fields in definitions:
+        for _, (kind, argument) in fields:
+            while kind in (Nodetype.ARRAY, Nodetype.SEQUENCE):
+                kind, argument = argument[0]
+            if kind == Nodetype.NAME:
+                yield argument
+
+
+def _check_whole(type_name: str, definitions: Mapping[str, Any], above: tuple[str, ...], whole: set[str]) -> None:
+    """Check that all types in a type are defined; above: the types that it is in. whole: those that are checked.
+
+    Raises:
+        ValueError: One is not, or it contains itself.
+    """
+    if type_name in whole:
+        return
+    if type_name in above:
+        raise ValueError(f"{type_name} contains itself")
+    if type_name not in definitions:
+        raise ValueError(f"{type_name} is not defined")
+    for name in _named_in([definitions[type_name]]):
+        _check_whole(name, definitions, (*above, type_name), whole)
+    whole.add(type_name)
 
 
 def header(stamp_ns: int, frame_id: str) -> Header:

@@ -58,7 +58,7 @@ Act = Callable[[Page], None]
 
 
 @contextmanager
-def _page(browser: Browser, url: str, path: str, theme: str, size: dict[str, int]) -> Iterator[Page]:
+def opened(browser: Browser, url: str, path: str, theme: str, size: dict[str, int]) -> Iterator[Page]:
     """Open a page in a theme."""
     context = browser.new_context(viewport=size, device_scale_factor=1)  # type: ignore[arg-type]  # two numbers
     context.add_cookies([{"name": "acromovi-theme", "value": theme, "url": url}])
@@ -69,9 +69,9 @@ def _page(browser: Browser, url: str, path: str, theme: str, size: dict[str, int
     context.close()
 
 
-def _take(browser: Browser, url: str, path: str, theme: str, file: Path, act: Act, size: dict[str, int] = SIZE) -> None:
+def take(browser: Browser, url: str, path: str, theme: str, file: Path, act: Act, size: dict[str, int] = SIZE) -> None:
     """Take one picture; act: brings the page into the state that it shows."""
-    with _page(browser, url, path, theme, size) as page:
+    with opened(browser, url, path, theme, size) as page:
         act(page)
         page.mouse.move(5, size["height"] - 100)
         page.wait_for_timeout(1200)  # ms, until everything is drawn
@@ -175,18 +175,18 @@ def main(arguments: list[str]) -> None:
         ):
             url = json.loads(line)["console"]
             browser = playwright.chromium.launch(executable_path=chromium, args=["--no-sandbox"])
-            _take(browser, url, "/?robot=happy", "light", folder / "console-map.png", _send)
-            _take(browser, url, "/robot/doc", "dark", folder / "console-robot-dark.png", _drive)
-            _take(browser, url, "/?robot=doc", "dark", folder / "console-map-dark.png", _look)
-            _take(browser, url, "/robot/max", "light", folder / "console-robot.png", _look)
-            _take(browser, url, "/agents", "light", folder / "console-agents.png", _ask, TALL)
-            _take(browser, url, "/faults", "light", folder / "console-faults.png", _inject)
-            _take(browser, url, "/timeline", "dark", folder / "console-timeline.png", _look)
-            _take(browser, url, "/applications", "light", folder / "console-applications.png", _start)
+            take(browser, url, "/?robot=happy", "light", folder / "console-map.png", _send)
+            take(browser, url, "/robot/doc", "dark", folder / "console-robot-dark.png", _drive)
+            take(browser, url, "/?robot=doc", "dark", folder / "console-map-dark.png", _look)
+            take(browser, url, "/robot/max", "light", folder / "console-robot.png", _look)
+            take(browser, url, "/agents", "light", folder / "console-agents.png", _ask, TALL)
+            take(browser, url, "/faults", "light", folder / "console-faults.png", _inject)
+            take(browser, url, "/timeline", "dark", folder / "console-timeline.png", _look)
+            take(browser, url, "/applications", "light", folder / "console-applications.png", _start)
             phones = [("/?robot=happy", "light", _look), ("/robot/doc", "dark", _drive), ("/faults", "light", _inject)]
             files = [Path(scratch) / f"{number}.png" for number in range(len(phones))]
             for (path, theme, act), file in zip(phones, files, strict=True):
-                _take(browser, url, path, theme, file, act, PHONE)
+                take(browser, url, path, theme, file, act, PHONE)
             _side_by_side(files, folder / "console-phone.png")
             browser.close()
 

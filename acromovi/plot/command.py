@@ -2,6 +2,7 @@
 
 import argparse
 import math
+import os
 import shutil
 import subprocess
 import sys
@@ -169,14 +170,17 @@ def _recorded_map(recording: "McapRecording") -> "Background | None":
 
 def _open_in_rerun(files: list[Path]) -> int:
     """Open a recording in Rerun, which reads MCAP files, and wait until it is closed."""
-    if shutil.which(RERUN) is None:
+    # pip puts it beside this program's interpreter, which need not be on the path
+    folders = os.pathsep.join((str(Path(sys.executable).parent), os.environ.get("PATH", os.defpath)))
+    program = shutil.which(RERUN, path=folders)
+    if program is None:
         how = f"install it with: {sys.executable} -m pip install rerun-sdk"
         print(f"acromovi plot: Rerun is not installed; {how}", file=sys.stderr)
         return 1
     if absent := [each for each in files if not each.exists()]:
         print(f"acromovi plot: {absent[0]} does not exist", file=sys.stderr)
         return 1
-    return subprocess.run([RERUN, *map(str, files)], check=False).returncode
+    return subprocess.run([program, *map(str, files)], check=False).returncode
 
 
 COMMAND = Subcommand(EPILOG, _add_arguments, _run)

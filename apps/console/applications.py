@@ -18,7 +18,8 @@ from agents.wrappers.program import die_with
 _MOST_LINES = 500  # of the output of one run
 _MOST_RUNS = 20  # that are remembered
 _LONGEST_LINE = 1000  # characters
-_ENDING = 5.0  # s that an application has to stop its robots and end
+_ENDING = 30.0  # s that an application has to end; its robots stand at once, and then it may draw what it has recorded
+_CLOSING = 5.0  # s likewise when the console itself ends
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,7 +40,7 @@ class ApplicationRun:
     """One run.
 
     number: counts the runs. name, words: what was started. lines: the newest ones of its output. line_count: of all.
-    process: None before it has begun. code: its exit code; None while it runs.
+    process: None before it has begun. is_stopping: whether it was told to end. code: its exit code; None while it runs.
     """
 
     number: int
@@ -48,6 +49,7 @@ class ApplicationRun:
     lines: deque[str] = field(default_factory=lambda: deque(maxlen=_MOST_LINES))
     line_count: int = 0
     process: asyncio.subprocess.Process | None = None
+    is_stopping: bool = False
     code: int | None = None
 
     @property
@@ -116,23 +118,30 @@ class ApplicationRuns:
         reading.add_done_callback(self._reading.discard)
         return run
 
-    async def stop(self, run: ApplicationRun) -> None:
-        """Stop an application as Ctrl-C does: its robots stop, and it ends."""
+    async def stop(self, run: ApplicationRun, within: float = _ENDING) -> None:
+        """Stop an application as Ctrl-C does: its robots stop, and it ends; within: s, after which it is killed."""
         process = run.process
         if process is None or process.returncode is not None:
             return
-        process.terminate()
+        if not run.is_stopping:
+            run.is_stopping = True
+            process.terminate()
         try:
-            async with asyncio.timeout(_ENDING):
+            async with asyncio.timeout(within):
                 await process.wait()
         except TimeoutError:
-            run.add(f"it has not ended within {_ENDING:g} s and was killed")
-            process.kill()
+            run.add(f"it has not ended within {within:g} s and was killed")
+            self.kill(run)
             await process.wait()
+
+    def kill(self, run: ApplicationRun) -> None:
+        """End an application at once, for somebody who does not want to wait; what it has not written yet is lost."""
+        if run.process is not None and run.process.returncode is None:
+            run.process.kill()
 
     async def close(self) -> None:
         """Stop all of them."""
-        await asyncio.gather(*(self.stop(run) for run in self.runs))
+        await asyncio.gather(*(self.stop(run, _CLOSING) for run in self.runs))
         await asyncio.gather(*self._reading, return_exceptions=True)  # the programs have ended, and so do their pipes
 
 

@@ -8,6 +8,7 @@ from apps.console.program import Console
 from apps.console.visits import Visit
 
 _REFRESH = 0.5  # s
+_ENDED = {0: "ended", 143: "stopped", -9: "killed"}  # by exit code
 
 
 def build(console: Console, visit: Visit) -> None:
@@ -70,6 +71,10 @@ class _ApplicationsPage:
         self._console.timeline.tell("console", self._visit.name, f"{self._chosen.name} was started")
 
     async def _stop(self, run: ApplicationRun) -> None:
+        """Do what the button says: stop it, or kill it while it is being stopped."""
+        if run.is_stopping:
+            self._console.applications.kill(run)
+            return
         self._console.timeline.tell("console", self._visit.name, f"{run.name} was stopped")
         await self._console.applications.stop(run)
 
@@ -79,7 +84,7 @@ class _ApplicationsPage:
 
     def _refresh(self) -> None:
         runs = self._console.applications.runs
-        shown = (self._chosen, *((run.number, run.code) for run in runs))
+        shown = (self._chosen, *((run.number, run.is_stopping, run.code) for run in runs))
         if shown != self._shown:
             self._shown = shown
             self._runs.clear()
@@ -92,13 +97,14 @@ class _ApplicationsPage:
 
     def _add(self, run: ApplicationRun) -> None:
         with ui.element("li").classes("c-run"):
-            ended = "ended" if run.code == 0 else f"failed ({run.code})" if run.code != 143 else "stopped"
-            state = "running" if run.is_running else ended
+            ended = _ENDED.get(run.code or 0, f"failed ({run.code})")
+            state = ended if not run.is_running else "stopping …" if run.is_stopping else "running"
             link = ui.button(f"{run.name} {' '.join(run.words)}", on_click=lambda: self._choose(run))
             link.props("flat dense no-caps align=left").classes("c-grow")
             ui.label(state).classes("c-fine" if run.is_running else "c-quiet")
             if run.is_running:
-                stop = ui.button("Stop", on_click=lambda: self._stop(run)).props("outline dense no-caps color=negative")
+                what = "Kill" if run.is_stopping else "Stop"
+                stop = ui.button(what, on_click=lambda: self._stop(run)).props("outline dense no-caps color=negative")
                 stop.set_enabled(self._visit.may_command)
 
     def _show_output(self) -> None:

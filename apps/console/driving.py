@@ -121,6 +121,10 @@ class DriveControl:
                 await self._let_go()
                 self._say(visit, f"no control of {self.robot}: {in_words(err)}")
                 return
+            if not visit.may_command:  # its session has ended while the leases were asked for
+                await self._let_go()
+                self._say(visit, f"no control of {self.robot}: {visit.look_only}")
+                return
             self.holder = visit
             self._is_latched, self._zeros = True, _ZEROS
             self._heard_at = now

@@ -1,4 +1,4 @@
-"""The page Faults, of emulated robots: inject and clear faults, doors, time, and robots that are put elsewhere."""
+"""The page Faults, of emulated robots: faults, doors, people, time, and robots that are put elsewhere."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -6,6 +6,7 @@ from typing import Any
 from nicegui import ui
 from nicegui.events import GenericEventArguments
 
+from apps.console.data_view import DataTable
 from apps.console.emulator import EmulatorRefused
 from apps.console.map_canvas import MapCanvas
 from apps.console.outcomes import OutcomeList
@@ -34,6 +35,7 @@ class _FaultsPage:
         self._known: dict[str, Any] = {}
         self._active: object = None
         self._doors: object = None
+        self._people_rows: list[list[str]] = []
         self._fields: dict[str, ui.input] = {}
         with ui.element("div").classes("c-columns") as columns:
             with ui.element("div").classes("c-stack"):
@@ -64,6 +66,9 @@ class _FaultsPage:
                         ).classes("rv-name")
                 with panel("Doors"):
                     self._door_list = ui.element("ul").classes("c-plain c-runs")
+                with panel("People") as self._people_box:
+                    self._people = DataTable(("Name", "Place", "Does"), "nobody")
+                self._people_box.set_visibility(False)
                 with panel("Outcomes"):
                     OutcomeList(visit)
             with panel("Put a robot elsewhere"):
@@ -86,6 +91,7 @@ class _FaultsPage:
         self._show_choices(faults["known"], list(truth["robots"]))
         self._show_faults(faults["faults"])
         self._show_doors(truth["doors"])
+        self._show_people(truth["people"])
         self._paused = bool(truth["paused"])
         self._pause.text = "Go on" if self._paused else "Pause"
         self._time.text = f"{truth['time']:.1f} s of emulated time" + (", paused" if self._paused else "")
@@ -162,6 +168,16 @@ class _FaultsPage:
                     words = "Shut" if is_open else "Open"
                     button = ui.button(words, on_click=lambda name=name, to=not is_open: self._move_door(name, to))
                     button.props("outline dense no-caps").set_enabled(self._visit.may_command)
+
+    def _show_people(self, people: Mapping[str, Any]) -> None:
+        self._people_box.set_visibility(bool(people))
+        rows = [
+            [name, f"x {each['x']:.1f} m, y {each['y']:.1f} m", "walks" if each["walks"] else "stands"]
+            for name, each in people.items()
+        ]
+        if rows != self._people_rows:
+            self._people_rows = rows
+            self._people.show(rows)
 
     async def _move_door(self, name: str, to: bool) -> None:
         await self._ask("door", f"{name} {'opens' if to else 'shuts'}", name=name, open=to)

@@ -13,7 +13,8 @@ class FloorPlan:
     """A map for drawing; lengths in m.
 
     name: of the map, for people; empty without one. lines: walls without thickness, each x0, y0, x1, y1. shapes and
-    things: outlines of walls and of furniture. points: that a laser saw. places: named points.
+    things: outlines of walls and of furniture. points: that a laser saw. places: named points. map_file: name of the
+    map file that it is made of; empty for a world without one.
     """
 
     name: str = ""
@@ -22,6 +23,7 @@ class FloorPlan:
     things: Sequence[Sequence[Point]] = ()
     points: Sequence[Point] = ()
     places: Sequence[tuple[str, float, float]] = ()
+    map_file: str = ""
 
     @property
     def is_known(self) -> bool:

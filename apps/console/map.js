@@ -44,7 +44,7 @@ export default {
     },
   },
   created() {
-    this.world = { floor: null, robots: [], trails: {}, poses: {}, missions: {}, seen: {}, located: {}, goals: {}, overlays: [], grid: null };
+    this.world = { floor: null, robots: [], trails: {}, poses: {}, missions: {}, seen: {}, located: {}, goals: {}, overlays: [], patrol: {}, people: [], grid: null };
     this.view = null; // x and y of the middle, m, and px for a m
     this.pointers = new Map();
     this.aim = null;
@@ -87,7 +87,7 @@ export default {
       this.lost = "";
       if (head.floor) this.world.floor = head.floor;
       if (head.robots) this.world.robots = head.robots;
-      for (const part of ["missions", "located", "goals", "overlays"]) if (head[part]) this.world[part] = head[part];
+      for (const part of ["missions", "located", "goals", "overlays", "patrol", "people"]) if (head[part]) this.world[part] = head[part];
       if (head.frames !== undefined) this.frames = head.frames;
       for (const [name, trail] of Object.entries(head.trails || {})) {
         this.world.trails[name] = trail.map((value) => value / 1000);
@@ -277,7 +277,9 @@ export default {
       for (const robot of this.world.robots) this.drawMission(pen, theme, robot, colours.get(robot.name));
       for (const robot of this.world.robots) this.drawLocated(pen, theme, robot, colours.get(robot.name));
       this.drawGoals(pen, theme);
+      this.drawPatrol(pen, theme, colours);
       for (const robot of this.world.robots) this.drawOverlays(pen, robot, colours.get(robot.name));
+      this.drawPeople(pen, theme);
       for (const robot of this.world.robots) this.drawRobot(pen, theme, robot, colours.get(robot.name));
       if (this.aim) this.drawAim(pen, colours.get(this.chosen) || theme.ink);
       pen.setTransform(ratio, 0, 0, ratio, 0, 0);
@@ -503,6 +505,54 @@ export default {
         pen.restore();
       }
     },
+    // The tours of a patrol, closed, as each room comes again; and its alarms, filled while the intruder is seen.
+    drawPatrol(pen, theme, colours) {
+      if (!this.layers.includes("overlays")) return;
+      pen.save();
+      pen.lineWidth = 1.6 * this.px;
+      pen.setLineDash([1.6 * this.px, 5 * this.px]);
+      pen.globalAlpha = 0.8;
+      for (const [robot, places] of this.world.patrol.tours || []) {
+        pen.strokeStyle = colours.get(robot) || theme.ink;
+        pen.beginPath();
+        places.forEach(([x, y], index) => pen[index ? "lineTo" : "moveTo"](x, y));
+        pen.closePath();
+        pen.stroke();
+      }
+      pen.setLineDash([]);
+      pen.globalAlpha = 1;
+      pen.strokeStyle = pen.fillStyle = "#d3382c";
+      pen.lineWidth = 2 * this.px;
+      const size = Math.max(0.16, 9 * this.px);
+      for (const [x, y, , isSeen] of this.world.patrol.alarms || []) {
+        pen.beginPath();
+        pen.moveTo(x, y + size);
+        pen.lineTo(x + size, y - 0.8 * size);
+        pen.lineTo(x - size, y - 0.8 * size);
+        pen.closePath();
+        if (isSeen) pen.fill();
+        pen.stroke();
+      }
+      pen.restore();
+    },
+    // People of the emulated world: shoulders, and a head that is towards where they look.
+    drawPeople(pen, theme) {
+      if (!this.layers.includes("walls")) return;
+      for (const place of this.world.people) {
+        pen.save();
+        this.enter(pen, place);
+        pen.fillStyle = theme.ink;
+        pen.globalAlpha = 0.45;
+        pen.beginPath();
+        pen.ellipse(0, 0, Math.max(0.13, 4 * this.px), Math.max(0.24, 7 * this.px), 0, 0, 2 * Math.PI);
+        pen.fill();
+        pen.globalAlpha = 0.9;
+        pen.beginPath();
+        pen.arc(0.05, 0, Math.max(0.1, 3.5 * this.px), 0, 2 * Math.PI);
+        pen.fill();
+        pen.restore();
+      }
+    },
     goalsShown() {
       const all = this.world.goals;
       return all[this.chosen] || Object.values(all)[0] || [];
@@ -605,9 +655,18 @@ export default {
           pen.fillText(name, x, y - 12);
         }
       }
+      if (this.layers.includes("overlays")) {
+        for (const [x, y, number] of this.world.patrol.alarms || []) {
+          const [left, top] = place(x, y);
+          this.drawLabel(pen, theme, `alarm ${number}`, left, top - 16);
+        }
+      }
       pen.font = "12px Roboto, sans-serif";
       pen.globalAlpha = 0.55;
-      for (const [name, x, y] of this.world.floor?.places || []) pen.fillText(name, ...place(x / 1000, y / 1000));
+      const named = new Set(this.layers.includes("goals") ? this.goalsShown().map((goal) => goal.name) : []);
+      for (const [name, x, y] of this.world.floor?.places || []) {
+        if (!named.has(name)) pen.fillText(name, ...place(x / 1000, y / 1000));
+      }
       pen.globalAlpha = 1;
     },
     drawLabel(pen, theme, text, x, y) {

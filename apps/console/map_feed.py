@@ -32,6 +32,8 @@ from apps.console.map_layers import (
     robot_record,
 )
 from apps.console.overlays import OverlayWatch
+from apps.console.patrol import PatrolWatch
+from apps.console.people import PeopleWatch
 from apps.console.placing import FramePlaces
 from apps.console.robots import RobotWatch, WatchedRobot
 from apps.console.settings import MapSettings
@@ -62,6 +64,7 @@ class MapFeed:
     """The map of the team, for all browsers.
 
     places: of the robots' frames. missions: what is drawn of navigations, by robot. locating: of their localizations.
+    patrol: of the surveillance.
     """
 
     def __init__(
@@ -109,6 +112,8 @@ class MapFeed:
         self._goals: dict[str, tuple[str, Any]] = {}  # by robot: its map, and the goals of that
         self.locating = LocatingWatch(agent.bus, robots, places)
         self._overlays = OverlayWatch(agent.bus, robots.clock)
+        self.patrol = PatrolWatch(agent.bus, robots.clock)
+        self._people = PeopleWatch(emulator) if emulator is not None else None
         self._grid_body = b""
         self._parts["floor"] = 1, {**floor.to_json(), "cell": settings.cell_m}
         loop = asyncio.get_running_loop()
@@ -137,6 +142,7 @@ class MapFeed:
             self._subscription.close()
             self.locating.close()
             self._overlays.close()
+            self.patrol.close()
 
     async def serve(self, browser: WebSocket, is_open: Callable[[], bool]) -> None:
         """Answer the requests of one browser until it ends.
@@ -270,6 +276,8 @@ class MapFeed:
         robots = self._robots.robots
         if self._emulator is not None:
             await self.places.ask(self._emulator, robots)
+        if self._people is not None and self._watching:
+            await self._people.look(time.monotonic())
         self.locating.look()
         layout = [
             robot_layout(robots[name], self.places.of(name), standing(robots[name])) for name in self._robots.names
@@ -279,6 +287,9 @@ class MapFeed:
         is_new |= self._note("located", self.locating.located)
         is_new |= self._note("goals", self.goals)
         is_new |= self._note("overlays", self._overlays.overlays)
+        is_new |= self._note("people", self._people.places if self._people is not None else [])
+        patrol = self.patrol.patrol
+        is_new |= self._note("patrol", patrol.layout(self.places) if patrol is not None else {})
         if self._recorded_missions is not None:
             found = self._recorded_missions()
             self.missions = {robot: {**told, "goal": self._goal_in_odom(robot, told)} for robot, told in found.items()}

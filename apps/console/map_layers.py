@@ -23,6 +23,7 @@ NOTHING = 0xFFFF
 _FARTHEST = 65.0  # m
 _SWEEP = 1.0  # s for which the range of a disc is shown
 _LARGEST = 32_000  # cells from the origin of a frame, as 16 bits hold them
+_OF_DOORS = ("x", "y", "width", "normal")
 _PIVOT = np.uint64(1 << 20)
 
 
@@ -160,20 +161,26 @@ def mission_layout(told: Mapping[str, Any]) -> dict[str, Any]:
     goal = told.get("goal")
     has_goal = isinstance(goal, Mapping) and is_number(goal.get("x")) and is_number(goal.get("y"))
     is_active = told.get("state") == "active" or bool(told.get("route"))
-    doors = [
-        [door["x"], door["y"], door["width"], door["normal"], door.get("confidence", 1.0)]
-        for door in told.get("doors") or ()
-        if isinstance(door, Mapping) and all(is_number(door.get(key)) for key in ("x", "y", "width", "normal"))
-    ]
     return {
         "goal": [goal["x"], goal["y"], goal.get("heading")] if has_goal and is_active and goal is not None else None,
         "target": told.get("sub_target") if is_active else None,
         "route": told.get("route") or [],
-        "doors": doors,
+        "doors": doors_layout(told.get("doors") or ()),
         "state": str(told.get("state", "")),
         "why": str(told.get("why") or "")[:300],
         "mission": str(told.get("mission", "")),
     }
+
+
+def doors_layout(told: Iterable[Any]) -> list[list[float]]:
+    """Return x, y, width, normal and confidence of each door, m and rad; what is none is left out."""
+    return [
+        [door["x"], door["y"], door["width"], door["normal"], door.get("confidence", 1.0)]
+        for door in told
+        if isinstance(door, Mapping)
+        and all(is_number(door.get(key)) for key in _OF_DOORS)
+        and is_number(door.get("confidence", 1.0))
+    ]
 
 
 def laser_mount(robot: WatchedRobot) -> Pose2D | None:

@@ -12,6 +12,7 @@ from apps.console.map_canvas import LAYERS, MapCanvas
 from apps.console.map_feed import encoded_goal
 from apps.console.outcomes import OutcomeList
 from apps.console.page import panel
+from apps.console.patrol_panel import PatrolPanel
 from apps.console.program import Console
 from apps.console.visits import Visit
 from geometry import Pose2D
@@ -68,6 +69,7 @@ class _MapPage:
                         self._go = ui.button("Go there", on_click=lambda: self._send_to(str(self._goal.value or "")))
                         self._go.props("outline dense no-caps")
                     ui.label("Click where the robot is; drag to where it looks.").classes("rv-hint")
+                self._patrol = PatrolPanel(console)
                 with panel("Layers"), ui.element("div").classes("c-checks"):
                     self._layers = {
                         name: ui.checkbox(_LABELS[name], value=True, on_change=self._show).props("dense")
@@ -82,6 +84,7 @@ class _MapPage:
         robot = self._console.robots.robots.get(self._visit.robot)
         self._link.set_visibility(robot is not None)
         self._show_locating()
+        self._patrol.refresh()
         self._cancel.set_visibility(False)
         if robot is None:
             self._about.text = "No robot is chosen: click one on the map, or press n on it."

@@ -3,21 +3,32 @@
 The origin of `<robot>/odom` is where the robot stood when its gateway first connected, so the frames of two robots have
 nothing to do with each other. They are placed by the emulator, which knows where its robots are, or else by the starts
 in the team's file. A robot that is localized, or that builds a map, is shown where that puts it; the frame `map` is
-placed once, by where the robot is then.
+placed once, by where the robot is then. If it is localized on the file whose walls are drawn, the frames are the same:
+the first pose of a localization is off by some degrees, and so would be all that is drawn of its map.
 """
 
 from collections.abc import Mapping
+from math import hypot
+from pathlib import Path
 
 from apps.console.emulator import EmulatorControl, EmulatorRefused
 from apps.console.robots import WatchedRobot
 from geometry import Pose2D
 
+_SAME_PLACE, _SAME_HEADING = 1.5, 0.3  # m and rad from the drawn map within which a map of its name is that map
+
 
 class FramePlaces:
     """The places of the frames. changes: counts the changes."""
 
-    def __init__(self, starts: Mapping[str, tuple[float, float, float]]) -> None:
-        """Begin with the starts of the team's file: x and y, m, and heading, rad, by robot."""
+    def __init__(self, starts: Mapping[str, tuple[float, float, float]], map_file: str = "") -> None:
+        """Begin.
+
+        Args:
+            starts: Of the team's file: x and y, m, and heading, rad, by robot.
+            map_file: Name of the map file whose walls are drawn; empty for another kind of floor.
+        """
+        self._map_file = map_file
         self.changes = 0
         self._by_file = {robot: Pose2D(*start) for robot, start in starts.items()}
         self._by_emulator: dict[str, tuple[str, Pose2D]] = {}  # identity of the gateway for which it holds, and place
@@ -47,12 +58,17 @@ class FramePlaces:
         if self._maps.get(robot, ("",))[0] != name:
             begun = self._of_start(robot)
             place = begun.compose(Pose2D().relative_to(odom_in_map)) if begun is not None else Pose2D()
-            self._maps[robot] = name, place
+            self._maps[robot] = name, Pose2D() if self._is_drawn(name, place) else place
         self._in_map[robot] = odom_in_map
 
     def forget(self, robot: str) -> None:
         """Show a robot by its odometry again, since it is not localized any more."""
         self._in_map.pop(robot, None)
+
+    def _is_drawn(self, name: str, place: Pose2D) -> bool:
+        """Return whether a map is the one that is drawn, by its file's name and its place by the first pose."""
+        is_near = hypot(place.x, place.y) <= _SAME_PLACE and abs(place.heading) <= _SAME_HEADING
+        return is_near and bool(self._map_file) and Path(name).name == self._map_file
 
     def _of_start(self, robot: str) -> Pose2D | None:
         found = self._by_emulator.get(robot)

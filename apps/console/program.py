@@ -2,7 +2,6 @@
 
 import asyncio
 import json
-import secrets
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import AsyncExitStack
@@ -25,7 +24,7 @@ from apps.console.robots import RobotWatch
 from apps.console.settings import ConsoleSettings
 from apps.console.sniffer_feed import SnifferFeed
 from apps.console.timeline import Timeline
-from apps.console.visits import Visit
+from apps.console.visits import Visit, Visits
 from apps.remote_vision.program import RemoteVision
 from apps.remote_vision.settings import RemoteVisionSettings
 from bus import BusError, NotAllowed, keys
@@ -69,7 +68,7 @@ class Console:
     live team. robots: the robots. timeline: the events. directory: the names of the agents.
     agents: their containers and states. sniffer: what they send each other. map: the map. vision: the cameras and their
     heads. can_aim: whether what aims a camera by its image is installed. emulator: the emulator; None without one.
-    applications: those that run. visits: the pages that are open, by ticket.
+    applications: those that run. visits: the pages that are open.
     """
 
     def __init__(
@@ -86,9 +85,8 @@ class Console:
         self.can_aim = not missing("vision")
         self.emulator = EmulatorControl(inputs.control) if inputs.control else None
         self.applications = ApplicationRuns(inputs.bus, inputs.folder, inputs.folders)
-        self.visits: dict[str, Visit] = {}
+        self.visits = Visits(self._release_all_of, look_only)
         self._drives: dict[str, DriveControl] = {}
-        self._count = 0
         self._open = AsyncExitStack()
 
     async def __aenter__(self) -> Self:
@@ -109,7 +107,7 @@ class Console:
             self.robots,
             self.directory,
             self.inputs.floor,
-            FramePlaces(self.inputs.starts),
+            FramePlaces(self.inputs.starts, self.inputs.floor.map_file),
             self.emulator,
             self.settings.map,
             self.may_command,
@@ -140,33 +138,6 @@ class Console:
 
     # Pages.
 
-    def begin_visit(self, browser: str, session: str = "", look_only: str = "") -> Visit:
-        """Return the state of a new page.
-
-        Args:
-            browser: Its address, or the owner of its certificate.
-            session: With which it was opened.
-            look_only: Why the browser may command nothing, in words; empty if it may what this program may.
-        """
-        self._count += 1
-        name = f"page {self._count} ({browser})"
-        visit = Visit(secrets.token_urlsafe(16), name, session, look_only=self.look_only or look_only)
-        self.visits[visit.ticket] = visit
-        return visit
-
-    async def end_visit(self, visit: Visit) -> None:
-        """Forget a page; what it drove is stopped."""
-        self.visits.pop(visit.ticket, None)
-        visit.cancel_motions()
-        await self._release_all_of(visit, "the page was closed")
-
-    async def end_session(self, session: str) -> None:
-        """End all pages of somebody who has logged out, or whose time is over."""
-        for visit in [each for each in self.visits.values() if each.session == session]:
-            await self.end_visit(visit)
-            if visit.on_end is not None:
-                visit.on_end()
-
     def say(self, visit: Visit, words: str) -> None:
         """Show a page what has happened."""
         visit.tell(time.strftime("%H:%M:%S"), words)
@@ -191,7 +162,7 @@ class Console:
             while visit.ticket in self.visits:
                 await browser.send_text(json.dumps(self._drive_reply(visit)))
                 command = _command_of(await browser.receive_text())
-                if command is not None and visit.robot:
+                if command is not None and visit.robot and visit.ticket in self.visits:
                     self._take_command(visit, command)
             await browser.close(4001, "the session has ended")
         except (WebSocketDisconnect, RuntimeError):  # RuntimeError: it was closed while a reply was made
@@ -204,7 +175,7 @@ class Console:
     async def stop_all(self, look_only: str = "") -> dict[str, str]:
         """Stop all robots by their latched emergency stops; return what each of them answers, `stopped` or a reason.
 
-        It needs no lease.
+        It needs no lease. Robots that have left the bus are not asked; see `away`.
 
         Args:
             look_only: Why the browser that asks may command nothing; empty if it may.
@@ -220,6 +191,11 @@ class Console:
         words = f"all {len(robots)} robots stopped" if not failed else f"not stopped: {failed}"
         self.timeline.tell("e-stop", "console", words if robots else "no robot is there to stop")
         return told
+
+    @property
+    def away(self) -> list[str]:
+        """Robots that have been on the bus and are not any more, so that nothing reaches them."""
+        return sorted(robot.name for robot in self.robots.robots.values() if not robot.is_there)
 
     async def release_stop(self, robot: str) -> str:
         """Release a robot's emergency stop and switch its motors on; return why that failed, empty if it did not."""

@@ -43,6 +43,8 @@ class ReplayBar:
         self._controls.on("toggle", self._toggle)
         self._controls.on("seek", self._seek)
         self._controls.on("speed", self._change_speed)
+        if replay.notes:
+            ui.label("; ".join(replay.notes)).classes("c-alarmed c-note").props('role="status"')
         self._refresh()
         ui.timer(_REFRESH, self._refresh)
 

@@ -4,17 +4,18 @@ import socket
 import time
 from collections.abc import Callable
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from fastapi import FastAPI, Request, WebSocket
 from nicegui import ui
+from starlette.responses import PlainTextResponse
 from starlette.types import ASGIApp
 
 from apps.console.agent_panels.conversations import SNIFFER_PATH
 from apps.console.pages import PAGES, ROBOT_PAGE
 from apps.console.program import Console, ConsoleInputs
 from apps.console.settings import ConsoleSettings
-from apps.console.shell import STOP_PATH, begin_page
+from apps.console.shell import SESSION_PATH, STOP_PATH, begin_page
 from apps.web.access import PasswordGate, Sessions
 from apps.web.agent import page_agent
 from apps.web.certificates import CertificateGate, PageCertificate, why_look_only
@@ -24,7 +25,7 @@ from bus import Bus
 if TYPE_CHECKING:
     from apps.console.replay import Replay  # of the extra `recorder`
 
-_LOOK = 5.0  # s between two looks at sessions whose time is over
+_LOOK = 0.25  # s between two looks at sessions and certificates whose time is over: until then a page drives on
 
 
 async def serve(
@@ -59,8 +60,10 @@ async def serve(
         Console(agent, settings, inputs, _look_only(replay, may_command), replay) as console,
     ):
         if sessions is not None:
-            sessions.on_end = console.end_session
+            sessions.on_end = console.visits.end_session
             agent.every(_LOOK, sessions.end_old)
+        if certificate is not None:
+            agent.every(_LOOK, console.visits.end_expired)
 
         def guard(inner: ASGIApp) -> ASGIApp:
             by_password = PasswordGate(inner, sessions) if sessions is not None else None
@@ -82,8 +85,12 @@ def _application(console: Console) -> FastAPI:
     app = FastAPI(openapi_url=None)
 
     @app.post(STOP_PATH)
-    async def stop(request: Request) -> dict[str, dict[str, str]]:
-        return {"robots": await console.stop_all(why_look_only(request.scope))}
+    async def stop(request: Request) -> dict[str, Any]:
+        return {"robots": await console.stop_all(why_look_only(request.scope)), "away": console.away}
+
+    @app.get(SESSION_PATH)
+    async def session() -> PlainTextResponse:
+        return PlainTextResponse("valid")  # otherwise the gates have answered
 
     @app.websocket("/drive/{ticket}")
     async def drive(websocket: WebSocket, ticket: str) -> None:

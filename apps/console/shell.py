@@ -1,6 +1,8 @@
 """The frame of all pages: the robots and their state, the red button, navigation, theme."""
 
 import asyncio
+import html
+import json
 from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
@@ -14,16 +16,28 @@ from apps.console.program import Console
 from apps.console.replay_bar import ReplayBar
 from apps.console.visits import Visit
 from apps.web.access import COOKIE
-from apps.web.certificates import owner_of, why_look_only
+from apps.web.certificates import expiry_of, owner_of, why_look_only
 from apps.web.viewer import STYLE
 from bus import keys
 
 CONSOLE_STYLE = Path(__file__).with_name("console.css")
-STOP_PATH = "/stop"
+STOP_PATH, SESSION_PATH = "/stop", "/session.txt"
 _THEME = "acromovi-theme"  # cookie
 _YEAR = 31_536_000  # s
 _REFRESH = 0.3  # s
 _PARTING = 0.5  # s for a page to hear that its session has ended
+
+
+_ENDED = """<!doctype html>
+<html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width, initial-scale=1">
+<title>Ended · Acromovi</title><style>
+:root { color-scheme: light dark; font-family: Roboto, system-ui, sans-serif; }
+body { margin: 0; min-height: 100vh; display: grid; place-items: center; background: Canvas; color: CanvasText; }
+main { width: min(420px, 88vw); padding: 28px; border: 1px solid #8886; border-radius: 10px; }
+h1 { margin: 0 0 12px; font-size: 22px; }
+</style></head><body><main><h1>This page has ended</h1><p role="alert">WORDS</p>
+<p>What it drove was stopped, and its leases were released.</p>
+<p><a href="ORIGIN/">Open the console again</a></p></main></body></html>"""
 
 
 class StopButton(Element, component="stop_button.js"):
@@ -32,6 +46,14 @@ class StopButton(Element, component="stop_button.js"):
     def __init__(self) -> None:
         super().__init__()
         self._props["path"] = STOP_PATH
+
+
+class SessionGuard(Element, component="session_guard.js"):
+    """Loads the page again once its session is over, though its websocket was not there to hear of that."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._props["path"] = SESSION_PATH
 
 
 def begin_page(console: Console, page: ConsolePage, pages: Sequence[ConsolePage], robot: str = "") -> None:
@@ -47,9 +69,10 @@ def begin_page(console: Console, page: ConsolePage, pages: Sequence[ConsolePage]
     cookies = client.request.cookies if client.request is not None else {}
     scope = client.request.scope if client.request is not None else {}
     owner, session = owner_of(scope), cookies.get(COOKIE, "")
-    visit = console.begin_visit(owner or client.ip or "?", "" if owner else session, why_look_only(scope))
+    session = "" if owner else session
+    visit = console.visits.begin(client.ip or "?", session, why_look_only(scope), owner, expiry_of(scope))
     visit.robot = robot
-    client.on_delete(lambda: console.end_visit(visit))
+    client.on_delete(lambda: console.visits.end(visit))
     visit.on_end = partial(_end_page, client)
     ui.add_css(STYLE)
     ui.add_css(CONSOLE_STYLE)
@@ -67,6 +90,8 @@ def begin_page(console: Console, page: ConsolePage, pages: Sequence[ConsolePage]
                 ui.button(icon="logout", on_click=lambda: _log_out()).props('flat round dense aria-label="Log out"')
             if console.replay is None:
                 StopButton()
+            if visit.session or visit.owner:
+                SessionGuard()
     with ui.element("nav").classes("c-nav").props('aria-label="Pages"'):
         for each in pages:
             if each.is_offered(console):
@@ -148,9 +173,21 @@ def _theme_button(dark: ui.dark_mode) -> None:
             ui.menu_item(f"{name.capitalize()} theme", lambda name=name, value=value: choose(name, value))
 
 
-def _end_page(client: Client) -> None:
-    """Show the page for the password, and take no more orders from this one."""
-    client.run_javascript("location.assign('/login')")
+def _end_page(client: Client, why: str) -> None:
+    """Leave this page, and take no more orders from it.
+
+    Args:
+        client: The page.
+        why: What its browser shows then, in words; empty for the page for the password.
+    """
+    if why:
+        # It is made in the browser: with a certificate that has expired nothing more can be loaded from here.
+        page = json.dumps(_ENDED.replace("WORDS", html.escape(f"{why[0].upper()}{why[1:]}.")))
+        script = f"const page = {page}.replace('ORIGIN', location.origin); "
+        script += "location.replace(URL.createObjectURL(new Blob([page], { type: 'text/html' })))"
+        client.run_javascript(script)
+    else:
+        client.run_javascript("location.assign('/login')")
 
     def end() -> None:
         if client.has_socket_connection:  # otherwise its browser has left, and NiceGUI deletes it

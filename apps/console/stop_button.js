@@ -31,11 +31,13 @@ export default {
       try {
         const reply = await fetch(this.path, { method: "POST", keepalive: true });
         if (!reply.ok) throw new Error(`${reply.status} ${await reply.text()}`);
-        const robots = Object.entries((await reply.json()).robots);
+        const told = await reply.json();
+        const robots = Object.entries(told.robots);
         const failed = robots.filter(([, how]) => how !== "stopped");
-        if (!robots.length) this.show("no robot is on the bus", true);
-        else if (failed.length) this.show(`NOT STOPPED: ${failed.map(([name, how]) => `${name}: ${how}`).join("; ")}`, true);
-        else this.show(`${robots.length === 1 ? robots[0][0] : `all ${robots.length} robots`} stopped`, false);
+        const away = told.away.length ? `; not reached, since away from the bus: ${told.away.join(", ")}` : "";
+        if (!robots.length) this.show(`NOT STOPPED: no robot is on the bus${away}`, true);
+        else if (failed.length) this.show(`NOT STOPPED: ${failed.map(([name, how]) => `${name}: ${how}`).join("; ")}${away}`, true);
+        else this.show(`${robots.length === 1 ? robots[0][0] : `all ${robots.length} robots`} stopped${away}`, false);
       } catch (error) {
         this.show(`NOT STOPPED: the console does not answer (${error.message}); use the button on the robot`, true);
       }

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import configs
 from agents import Robot, RobotError, Stopped, Team, request
-from apps.background import BackgroundRequests
+from apps.background import BackgroundRequests, stop_first
 from apps.fetch.plots import draw_fetching
 from apps.fetch.record import FetchRecord
 from apps.fetch.settings import FetchSettings
@@ -72,6 +72,7 @@ def main(
         _fetch(team, _running[0], record, tuned)
         me.base.stop()
     finally:
+        stop_first([me])
         with suppress(RobotError, Stopped):  # it stands or holds what it has, and the program is ending
             me.gripper.stop()
         requests.close()

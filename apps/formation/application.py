@@ -8,6 +8,7 @@ from typing import Any, Protocol
 
 import configs
 from agents import Robot, RobotError, Team, request
+from apps.background import stop_first
 from apps.film import check_film
 from apps.formation.controller import Formation, FormationOrders
 from apps.formation.members import MemberState, PoseSource
@@ -115,6 +116,7 @@ def main(
                 each.base.stop()
     finally:
         source.close()
+        stop_first(each for each in robots if waypoints or each.name != leader)
         _finish(record, picture, "sight" if by_sight else "odometry", film)
 
 

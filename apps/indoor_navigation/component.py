@@ -132,6 +132,10 @@ class Component(Agent):
         if way.has_listeners:
             way.put(data.to_json())
 
+    def is_watched(self, kind: type[Data]) -> bool:
+        """Return whether a program subscribes to a kind of data that this component pushes."""
+        return self._way(kind).has_listeners
+
     def tell(self, data: Data) -> None:
         """Send data reliably to the components that the wiring names; may block while the link is congested."""
         kind = type(data)

@@ -244,6 +244,22 @@ class DLEData(Data):
 
 
 @dataclass(frozen=True, slots=True)
+class PlannedWay(Data):
+    """The plan of a mission as people see it; no component needs it.
+
+    route: x and y of places in turn, from the robot to the goal; empty where there is no way, or no mission is active.
+    doors: all that are known, also those that are not believed yet.
+    """
+
+    parts: ClassVar[Mapping[str, type[Data]]] = {"doors": Door}
+
+    stamp: float
+    mission: str
+    route: tuple[float, ...]
+    doors: tuple[Door, ...]
+
+
+@dataclass(frozen=True, slots=True)
 class ObstRead(Data):
     """Obstacles and free space that the sensors show now.
 

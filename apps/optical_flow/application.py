@@ -11,6 +11,7 @@ import numpy as np
 import configs
 from agents import Failed, Refused, Robot, RobotError, Stopped, Team, request
 from agents.client.element import ElementClient
+from apps.background import stop_first
 from apps.film import ENDINGS, FilmWriter
 from apps.optical_flow.columns import FlowColumns
 from apps.optical_flow.feed import FlowFeed
@@ -81,6 +82,7 @@ def main(
         at_end.callback(_finish, record, picture, writer)
         at_end.callback(_restore, flow, found)
         at_end.callback(feed.close)
+        at_end.callback(stop_first, [me])
         _wander(team, me, feed, record, _Showing(feed, tuned, writer, served), seconds)
         me.base.stop()
 

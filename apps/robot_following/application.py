@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import configs
 from agents import Robot, RobotError, Team, request
-from apps.background import BackgroundRequests
+from apps.background import BackgroundRequests, stop_first
 from apps.film import check_film
 from apps.pictures import check_picture
 from apps.robot_following.plots import draw_following
@@ -70,6 +70,7 @@ def main(
             each.base.stop()
     finally:
         requests.close()
+        stop_first(found)
         _finish(records, tuned, picture, shots)
 
 

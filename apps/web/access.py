@@ -30,6 +30,7 @@ SHORTEST = 8  # characters of a password
 _COST = {"n": 1 << 15, "r": 8, "p": 1, "maxmem": 1 << 26}  # 32 MB, about 0.1 s
 _LONGEST = 1000  # characters of a password
 _MOST_SESSIONS = 1000
+_ENDED = "ended"  # query of the page for the password, for somebody whose session is over
 _PAGE = """<!doctype html>
 <html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width, initial-scale=1">
 <title>Log in · Acromovi</title><style>
@@ -105,7 +106,7 @@ class PasswordHash:
 
 
 class Sessions:
-    """Those who have given the password. on_end: called with a session that ends."""
+    """Those who have given the password. on_end: called with a session that ends, and why; empty for a log-out."""
 
     def __init__(self, password: PasswordHash, lasts: float, pause: float) -> None:
         """Begin without any.
@@ -115,7 +116,7 @@ class Sessions:
             lasts: s for which a session lasts.
             pause: s after a wrong password, in which no other one is looked at.
         """
-        self.on_end: Callable[[str], Awaitable[None]] | None = None
+        self.on_end: Callable[[str, str], Awaitable[None]] | None = None
         self._password, self._lasts, self._pause = password, lasts, pause
         self._ends: dict[str, float] = {}
         self._looking = asyncio.Lock()
@@ -128,7 +129,7 @@ class Sessions:
                 return ""
         session = secrets.token_urlsafe(32)
         while len(self._ends) >= _MOST_SESSIONS:
-            await self.end(next(iter(self._ends)))
+            await self.end(next(iter(self._ends)), f"more than {_MOST_SESSIONS} people have logged in since you did")
         self._ends[session] = time.monotonic() + self._lasts
         return session
 
@@ -136,15 +137,17 @@ class Sessions:
         """Return whether a session has begun and not ended."""
         return time.monotonic() < self._ends.get(session, 0.0)
 
-    async def end(self, session: str) -> None:
-        """End a session."""
+    async def end(self, session: str, why: str = "") -> None:
+        """End a session; why: in words, empty for somebody who logs out."""
         if self._ends.pop(session, None) is not None and self.on_end is not None:
-            await self.on_end(session)
+            await self.on_end(session, why)
 
     async def end_old(self) -> None:
         """End the sessions whose time is over."""
-        for session in [each for each in self._ends if not self.is_valid(each)]:
-            await self.end(session)
+        old = [session for session in self._ends if not self.is_valid(session)]
+        why = f"you logged in {_time_in_words(self._lasts)} ago, and a session lasts no longer"
+        # all at once: one whose leases are given back slowly keeps no other from ending
+        await asyncio.gather(*(self.end(session, why) for session in old))
 
 
 class PasswordGate:
@@ -168,7 +171,7 @@ class PasswordGate:
         elif scope["type"] == "websocket":
             await send({"type": "websocket.close", "code": 1008, "reason": "log in first"})
         elif scope["method"] == "GET" and "." not in scope["path"]:
-            await RedirectResponse("/login", 303)(scope, receive, send)
+            await RedirectResponse(f"/login?{_ENDED}" if session else "/login", 303)(scope, receive, send)
         else:
             await PlainTextResponse("log in first", 401)(scope, receive, send)
 
@@ -182,7 +185,8 @@ class PasswordGate:
             gone.delete_cookie(COOKIE)
             return gone
         if request.method != "POST":
-            return HTMLResponse(_PAGE.replace("WORDS", ""))
+            words = "<p>The session has ended; log in again.</p>" if request.url.query == _ENDED else ""
+            return HTMLResponse(_PAGE.replace("WORDS", words))
         body = await _body_of(request)
         given = parse_qs(body.decode("utf-8", "replace")).get("password", [""])[0]
         if not (begun := await self._sessions.begin(given)):
@@ -213,6 +217,10 @@ def _session_of(scope: Scope) -> str:
             if cookie is not None:
                 return cookie.value
     return ""
+
+
+def _time_in_words(seconds: float) -> str:
+    return f"{seconds / 3600:g} hours" if seconds >= 3600 else f"{seconds:g} s"
 
 
 def _digest(password: str, salt: bytes) -> bytes:

@@ -6,7 +6,9 @@ ROLE.NAME.
 """
 
 import asyncio
+import math
 import ssl
+import time
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -23,7 +25,7 @@ from configs.loader import ConfigError
 
 ROLES = {"viewer": False, "operator": True, "admin": True}
 """The roles of people, and whether their owners may command robots and agents."""
-_OWNER = "certificate_owner"  # in the state of a connection
+_OWNER, _EXPIRES = "certificate_owner", "certificate_expires"  # in the state of a connection
 _MAKE = "make one with: acromovi keys make --role router --name NAME --host HOST"
 
 
@@ -81,7 +83,8 @@ class CertifiedConnection(H11Protocol):
         super().connection_made(transport)
         connection = transport.get_extra_info("ssl_object")
         told = connection.getpeercert() if connection is not None else None
-        self.app_state = {**self.app_state, _OWNER: _common_name(told or {})}
+        known = {_OWNER: _common_name(told), _EXPIRES: ssl.cert_time_to_seconds(told["notAfter"])} if told else {}
+        self.app_state = {**self.app_state, **known}
 
 
 class CertificateGate:
@@ -102,7 +105,9 @@ class CertificateGate:
             await self._app(scope, receive, send)
             return
         owner = owner_of(scope)
-        if owner.partition(".")[0] in ROLES:
+        if owner and time.time() >= expiry_of(scope):  # while its connection was open
+            await _refuse(scope, receive, send, why_expired(owner, expiry_of(scope)))
+        elif owner.partition(".")[0] in ROLES:
             await self._app(scope, receive, send)
         elif owner:
             why = f"the certificate of {owner} is that of a program; use the one of a viewer, an operator or an admin"
@@ -118,6 +123,18 @@ def owner_of(scope: Mapping[str, Any]) -> str:
     """Return the owner of the certificate of a connection, ROLE.NAME; empty without one."""
     owner = scope.get("state", {}).get(_OWNER, "")
     return owner if isinstance(owner, str) else ""
+
+
+def expiry_of(scope: Mapping[str, Any]) -> float:
+    """Return when the certificate of a connection expires, s since 1970; infinity without one."""
+    expires = scope.get("state", {}).get(_EXPIRES, math.inf)
+    return float(expires) if isinstance(expires, int | float) else math.inf
+
+
+def why_expired(owner: str, expired: float) -> str:
+    """Return in words that a certificate is not valid any more; expired: s since 1970."""
+    at = time.strftime("%Y-%m-%d %H:%M:%S", time.localtime(expired))
+    return f"the certificate of {owner} has expired on {at}; import a new one"
 
 
 def why_look_only(scope: Mapping[str, Any]) -> str:

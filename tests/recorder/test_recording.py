@@ -269,6 +269,27 @@ def test_no_definition_in_a_file_raises_anything(
         assert len(list(recording.samples())) == bool(name)
 
 
+@pytest.mark.parametrize(
+    "text",
+    [
+        "uint8 x\nstrange_msgs/Other y\n",
+        "strange_msgs/Other[] y\n",
+        "strange_msgs/Other[3] y\n" + "=" * 80 + "\nMSG: strange_msgs/Other\nstrange_msgs/Third[] z\n",
+        "strange_msgs/Thing[] again\n",
+    ],
+)
+def test_a_definition_that_lacks_the_types_in_it_is_noted_and_the_rest_is_read(text: str, tmp_path: Path) -> None:
+    path = tmp_path / "part.mcap"
+    file = McapFile(path, "test", {"format": "1"})
+    schema = file.add_schema("strange_msgs/msg/Thing", text)
+    file.add_message(file.add_channel("/happy/strange", "cdr", schema), START, START, b"\0\1\0\0")
+    file.add_message(file.add_channel("/happy/told", "json", 0), START, START, b"{}")
+    file.finish()
+    with McapRecording.open([path]) as recording:
+        assert recording.notes == [f"{path} has messages of unknown types on /happy/strange; they are not decoded"]
+        assert len(list(recording.samples())) == 2
+
+
 def test_messages_of_a_type_that_only_the_file_defines_are_decoded(tmp_path: Path) -> None:
     path = tmp_path / "own.mcap"
     file = McapFile(path, "test", {"format": "1"})

@@ -33,6 +33,8 @@ class RequestPanel:
         self._fields: list[FormField] = []
         self._inputs: dict[str, Any] = {}
         self._running: asyncio.Task[None] | None = None
+        self._built: tuple[AgentName, str] | None = None  # agent and request of the form
+        self._agent: WatchedAgent | None = None
         self._select = ui.select([], label="Ask it to", on_change=self._build).props("dense").classes("rv-select")
         self._doc = ui.label().classes("c-quiet a-doc")
         self._form = ui.element("div").classes("c-form")
@@ -41,26 +43,41 @@ class RequestPanel:
             self._cancel = ui.button("Cancel", on_click=self._end).props("outline dense no-caps color=negative")
             self._within = ui.number("Within, s", value=_WITHIN, min=0.1).props("dense").classes("rv-field")
         self._words = ui.label().props('role="status"').classes("a-words")
+        self._again = ui.button("Try again", icon="refresh", on_click=self._show_again).props("outline dense no-caps")
         self._view = DataView()
         self._cancel.set_visibility(False)
+        self._again.set_visibility(False)
 
     async def show(self, agent: WatchedAgent) -> None:
         """Show the forms of another agent."""
-        self._name, self._entries = agent.name, {}
+        self._name, self._agent = agent.name, agent
         self._view.hide()
+        self._again.set_visibility(False)
+        self._offer({})  # not those of another agent, while this one is asked
+        self._tell("asking what it can be asked for …")
+        why = ""
         try:
             told = await read(self._console.agent.bus, agent.container, "interface", name=str(agent.name))
-        except (AgentError, BusError, TimeoutError) as err:
-            self._tell(f"what it can be asked for is not known: {in_words(err)}", is_good=False)
-            told = {}
-        if self._name != agent.name:
+        except TimeoutError:
+            why = f"its container {agent.container} has not answered what it can be asked for"
+        except (AgentError, BusError) as err:
+            why = f"what it can be asked for is not known: {in_words(err)}"
+        if self._agent is not agent:
             return  # another one was chosen meanwhile
-        self._entries = entries_of(told, _BY_FORM)
-        if told:
-            self._tell("" if self._entries else "It answers no requests.")
-        self._select.set_options(list(self._entries), value=next(iter(self._entries), None))
-        self._build()
+        self._again.set_visibility(bool(why) and self._console.replay is None)
+        self._offer({} if why else entries_of(told, _BY_FORM))
+        self._tell(why or ("" if self._entries else "It answers no requests."), is_good=not why)
         self.refresh()
+
+    async def _show_again(self) -> None:
+        if self._agent is not None:
+            await self.show(self._agent)
+
+    def _offer(self, entries: dict[str, tuple[str, Mapping[str, Any]]]) -> None:
+        """Offer requests, and show the form of the first one."""
+        self._entries, self._built = entries, None
+        self._select.set_options(list(entries), value=next(iter(entries), None))
+        self._build()  # for a choice that has the same name as the one before, which is no change of it
 
     def refresh(self) -> None:
         """Enable what is possible now."""
@@ -72,8 +89,12 @@ class RequestPanel:
             self._tell(why_not, is_good=False)
 
     def _build(self) -> None:
-        """Make the fields of the chosen request."""
-        kind, entry = self._entries.get(str(self._select.value), ("", {"doc": "", "parameters": []}))
+        """Make the fields of the chosen request, unless they are there."""
+        request = str(self._select.value)
+        if self._name is None or self._built == (self._name, request):
+            return
+        self._built = self._name, request
+        kind, entry = self._entries.get(request, ("", {"doc": "", "parameters": []}))
         self._fields, self._inputs = fields_of(entry), {}
         self._doc.text = str(entry["doc"])
         self._within.set_visibility(kind != "subscriptions")

@@ -7,12 +7,21 @@ from typing import Any
 
 from agents.platform import AgentName, Cyclic, RequestNotDone, Restart
 from apps.indoor_navigation.algorithms.outline import Outline
+from apps.indoor_navigation.algorithms.planning.doors_map import thinned
 from apps.indoor_navigation.algorithms.planning.floor import FloorMap
 from apps.indoor_navigation.algorithms.planning.mission import MapFix, Navigator
 from apps.indoor_navigation.algorithms.planning.orders import REST, MissionParameters, Order
 from apps.indoor_navigation.component import Component, Role, answers_query, hears, is_told
 from apps.indoor_navigation.components.passage_leases import PassageLeases
-from apps.indoor_navigation.data import DLEData, GoalPoint, LogMessage, ObstRead, WorldCoord
+from apps.indoor_navigation.data import (
+    DIGITS,
+    DLEData,
+    GoalPoint,
+    LogMessage,
+    ObstRead,
+    PlannedWay,
+    WorldCoord,
+)
 from bus import BusUnavailable, Refused
 from geometry import Pose2D
 
@@ -20,6 +29,7 @@ QUERY_PERIOD = 1.0  # s between two queries for the outline of the robot
 SAME_PLACE, SAME_HEADING = 0.02, 0.02  # m and rad within which an order is not sent again
 MILLISECONDS = 1e3
 MAP_TIMEOUT, MAP_RETRY = 10.0, 2.0  # s for the map to come, and between two requests for it
+SHOWN_PERIOD, SHOWN_SPACING = 0.5, 0.15  # s between two plans for people, and m between two of their places
 SILENT = 3.0  # s without a result of the localization after which it counts as ended
 
 
@@ -45,8 +55,10 @@ class PathPlanning(Component):
     """Carries out one mission after the other, in steps at a fixed rate."""
 
     role = Role.DELIBERATIVE
+    gives = (PlannedWay,)
     tells = (WorldCoord, LogMessage)
     parameters_type = _PlanningParameters
+    is_pulled = False  # whoever watches its plans wakes nobody
 
     async def setup(self) -> None:
         """Read the doors, and wait for a mission."""
@@ -55,6 +67,7 @@ class PathPlanning(Component):
         self._order, self._told_at = REST, float("-inf")
         self._mission = self._navigator.status()
         self._is_under_way = False
+        self._shown_at = float("-inf")
         self._sees = False  # whether a reading has been received since this component woke up
         self._complained: set[str] = set()
         self._file = Path(self.parameters.doors_file) if self.parameters.doors_file else None
@@ -185,9 +198,21 @@ class PathPlanning(Component):
             self._passages.need((), self._now)
             if self._is_under_way:
                 self._keep_doors()
+        self._show(has_ended=self._is_under_way and not self._navigator.is_active)
         self._is_under_way = self._navigator.is_active
         self._tell_notes()
         self._mission = self._navigator.status()
+
+    def _show(self, *, has_ended: bool) -> None:
+        """Push the plan for people, such as a recorder: now and then during a mission, and once after it."""
+        is_due = self._navigator.is_active and self._now - self._shown_at >= SHOWN_PERIOD
+        if not (is_due or has_ended) or not self.is_watched(PlannedWay):
+            return
+        self._shown_at = self._now
+        way = thinned(self._navigator.route(), SHOWN_SPACING)
+        route = tuple(round(value, DIGITS) for place in way for value in place)
+        mission = self._navigator.status()["mission"]
+        self.push(PlannedWay(self.home.wall_time(), mission, route, tuple(self._navigator.doors())))
 
     def _give(self, order: Order) -> None:
         """Send a new order, and repeat it while a mission is active."""

@@ -145,15 +145,22 @@ def test_without_rerun_it_says_how_to_install_it(
     recording: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setenv("PATH", "")
+    monkeypatch.setattr("sys.executable", "/nowhere/python")
     assert main(["plot", str(recording), "--rerun"]) == 1
     assert "Rerun is not installed; install it with:" in capsys.readouterr().err
 
 
-def test_rerun_is_opened_with_the_recording(recording: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("is_on_the_path", [True, False])
+def test_rerun_is_opened_with_the_recording_from_the_path_or_beside_the_interpreter(
+    is_on_the_path: bool, recording: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     program = tmp_path / "rerun"
     program.write_text(f'#!/bin/sh\necho "$@" > {tmp_path}/said\n')
     program.chmod(0o755)
-    monkeypatch.setenv("PATH", f"{tmp_path}:/bin:/usr/bin")
+    if is_on_the_path:
+        monkeypatch.setenv("PATH", f"{tmp_path}:/bin:/usr/bin")
+    else:
+        monkeypatch.setattr("sys.executable", str(tmp_path / "python"))
     assert main(["plot", str(recording), "--rerun"]) == 0
     assert (tmp_path / "said").read_text() == f"{recording}\n"
 

@@ -11,7 +11,8 @@ from tests.recorder.recordings import START, odometry, sample
 
 SECONDS = 8
 ESTOP_AT, LEASE_AT, GONE_AT = 3.0, 2.0, 6.0  # s
-GOAL_AT, WAY_AT, THERE_AT = 4.5, 5.0, 7.0  # s
+GOAL_AT, WAY_AT, PLAN_AT, THERE_AT = 4.5, 5.0, 6.0, 7.0  # s
+DOOR = {"x": 1.0, "y": 0.5, "width": 0.9, "normal": 0.0, "confidence": 0.8}
 GOAL = 2.0, 1.0  # m in odom
 DRIVEN = 0.1  # m/s
 ELEMENTS = [{"name": name} for name in ("base", "sonar", "sound")]
@@ -61,6 +62,12 @@ def mission_messages(at: float) -> list[tuple[str, dict[str, object]]]:
             ("goto/send/WorldCoord", {"aim": "go", "x": "there", "path": {}}),
             ("goto/send/WorldCoord", way),
             ("user_interface/send/LogMessage", {"mission": 5, "what": ["noise"]}),
+        ]
+    if at == PLAN_AT:
+        plan = {"stamp": at, "mission": "m1", "route": [0.6, 0.3, 1.2, 0.9, x, y, 3.0, 1.5, 7], "doors": [DOOR]}
+        return [
+            ("path_planning/push/PlannedWay", {"mission": "m1", "route": ["there"], "doors": "none"}),
+            ("path_planning/push/PlannedWay", {**plan, "doors": [DOOR, {**DOOR, "x": None}, {"x": 1.0}, "door"]}),
         ]
     if at == THERE_AT:
         return [("user_interface/send/LogMessage", {**message, "what": "done: there, after 2.2 m"})]

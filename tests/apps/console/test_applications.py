@@ -1,6 +1,7 @@
 """Applications that the console starts: which there are, what they take, their output and their end."""
 
 import asyncio
+import sys
 from pathlib import Path
 
 import pytest
@@ -53,3 +54,52 @@ def test_output_is_kept_within_limits() -> None:
     assert len(run.lines) == 500
     assert len(run.lines[-1]) == 1000
     assert run.line_count == 2000
+
+
+STUBBORN = """
+import signal, sys, time
+signal.signal(signal.SIGTERM, lambda number, frame: print("drawing", flush=True))
+print("ready", flush=True)
+time.sleep(3600)
+"""
+
+
+async def stubborn() -> ApplicationRun:
+    """Run a program that does not end when it is told to."""
+    run = ApplicationRun(1, "stubborn", [])
+    piped = asyncio.subprocess.PIPE
+    run.process = await asyncio.create_subprocess_exec(sys.executable, "-c", STUBBORN, stdout=piped)
+    assert run.process.stdout is not None
+    assert await run.process.stdout.readline() == b"ready\n"
+    return run
+
+
+def test_an_application_that_takes_long_to_end_can_be_killed_before_its_time_is_over() -> None:
+    async def act() -> ApplicationRun:
+        runs, run = ApplicationRuns("local", ".", ()), await stubborn()
+        stopping = asyncio.ensure_future(runs.stop(run))
+        assert run.process is not None
+        assert run.process.stdout is not None
+        assert await run.process.stdout.readline() == b"drawing\n"
+        assert run.is_stopping
+        assert run.process.returncode is None
+        runs.kill(run)
+        await stopping
+        return run
+
+    run = asyncio.run(act())
+    assert run.process is not None
+    assert run.process.returncode == -9
+    assert list(run.lines) == []
+
+
+def test_an_application_that_does_not_end_in_time_is_killed_and_that_is_told() -> None:
+    async def act() -> ApplicationRun:
+        run = await stubborn()
+        await ApplicationRuns("local", ".", ()).stop(run, within=0.1)
+        return run
+
+    run = asyncio.run(act())
+    assert run.process is not None
+    assert run.process.returncode == -9
+    assert list(run.lines) == ["it has not ended within 0.1 s and was killed"]

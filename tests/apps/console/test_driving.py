@@ -82,6 +82,15 @@ def test_only_who_has_control_drives_and_another_page_is_told_who_does(drive: Dr
     assert drive.said[-1] == "anna drives happy; ask for it to be released"
 
 
+def test_a_page_whose_session_ends_while_it_takes_control_does_not_get_it(drive: Drive) -> None:
+    drive.anna.look_only = "the certificate of operator.anna has expired"
+    drive.take(drive.anna)
+    assert not drive.is_driven()
+    assert drive.said == ["no control of happy: the certificate of operator.anna has expired"]
+    drive.take(drive.bert)  # at once: no lease is left behind
+    assert drive.control.holder is drive.bert
+
+
 def test_a_released_key_stops_the_robot_and_leaves_cmd_vel_silent(drive: Drive) -> None:
     drive.drives_ahead()
     heard: list[object] = []

@@ -33,9 +33,9 @@ class Robots:
 class Lab:
     """What happy reports, and where it is shown."""
 
-    def __init__(self, starts: dict[str, tuple[float, float, float]]) -> None:
+    def __init__(self, starts: dict[str, tuple[float, float, float]], map_file: str = "") -> None:
         network = MemoryNetwork()
-        self.bus, self.robots, self.places = MemoryBus(network), Robots(), FramePlaces(starts)
+        self.bus, self.robots, self.places = MemoryBus(network), Robots(), FramePlaces(starts, map_file)
         self.watch = LocatingWatch(MemoryBus(network), self.robots, self.places)  # type: ignore[arg-type]  # played
         self.watch.look()
 
@@ -65,6 +65,25 @@ def test_the_map_stays_where_the_start_put_it_while_the_odometry_drifts() -> Non
     lab.report(**LOCALIZED, odom_in_map=[1.5, 0.0, 0.0])
     assert lab.places.map_of("happy") == Pose2D(4.0, 0.0, 0.0)
     assert lab.places.of("happy") == Pose2D(5.5, 0.0, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("map_file", "start", "expected"),
+    [
+        ("lab.map", (1.0, 0.0, 0.0), Pose2D()),  # the localization is off by 2 cm and 1 degree at first
+        ("lab.map", (5.0, 0.0, 0.0), Pose2D(4.0, 0.0, 0.0)),  # another building with a map of this name
+        ("hall.map", (1.0, 0.0, 0.0), Pose2D(0.0, 0.0, 0.0)),
+        ("", (1.0, 0.0, 0.0), Pose2D(0.0, 0.0, 0.0)),
+    ],
+)
+def test_a_map_whose_walls_are_drawn_lies_on_them(
+    map_file: str, start: tuple[float, float, float], expected: Pose2D
+) -> None:
+    lab = Lab({"happy": start}, map_file)
+    lab.report(**{**LOCALIZED, "map": "/maps/lab.map"}, odom_in_map=[1.02, 0.0, 0.017])
+    place = lab.places.map_of("happy")
+    assert (place.x, place.y) == pytest.approx((expected.x, expected.y), abs=0.03)
+    assert (place == Pose2D()) is (expected == Pose2D() and map_file == "lab.map")
 
 
 def test_a_pose_that_is_not_believed_moves_nothing(lab: Lab) -> None:

@@ -6,24 +6,27 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
 
 from apps.console.recorded_history import RecordedHistory
 from apps.console.replay import Replay
 from apps.console.robots import RobotWatch
-from apps.indoor_navigation.component import send_key
-from apps.indoor_navigation.data import GoalPoint, LogMessage, WorldCoord
+from apps.indoor_navigation.component import push_key, send_key
+from apps.indoor_navigation.data import Door, GoalPoint, LogMessage, PlannedWay, WorldCoord
 from bus import MemoryBus, MemoryNetwork, keys
 from bus.messages import NS_PER_S
 from recorder.recorder import Recorder
 from recorder.recording import McapRecording
 from recorder.writer import RecordingWriter
 from tests.apps.console.recordings import (
+    DOOR,
     ESTOP_AT,
     GOAL,
     GOAL_AT,
     GONE_AT,
     LEASE_AT,
+    PLAN_AT,
     THERE_AT,
     WAY_AT,
     recorded_drive,
@@ -70,7 +73,12 @@ def test_the_history_has_the_missions_at_any_time(recording: McapRecording) -> N
     under_way = mission(WAY_AT + 0.1)
     assert under_way["route"] == [[0.6, 0.3], [1.2, 0.9], list(GOAL)]
     assert (under_way["goal"], under_way["state"], under_way["why"]) == ([*GOAL, None], "going", "the way leads ahead")
+    planned = mission(PLAN_AT + 0.1)
+    assert planned["route"] == pytest.approx(np.array([[0.6, 0.3], [1.2, 0.9], [*GOAL], [3.0, 1.5]]))
+    assert planned["doors"] == [list(DOOR.values())]
+    assert (planned["goal"], planned["state"]) == (under_way["goal"], under_way["state"])
     there = mission(THERE_AT + 0.1)
+    assert there["doors"] == [list(DOOR.values())], "doors are known after the mission, too"
     assert (there["goal"], there["route"], there["state"], there["why"]) == (None, [], "done", "there, after 2.2 m")
     assert mission(GOAL_AT + 0.1) == told, "a jump back shows what was then"
 
@@ -86,9 +94,12 @@ def test_what_the_navigation_sends_is_recorded_and_found_again(tmp_path: Path) -
             ("user_interface", LogMessage(1.0, "path_planning", "m1", "info", "going: the way leads ahead")),
         ):
             robot.put(send_key("happy", receiver, type(sent)), sent.to_json())
+        plan = PlannedWay(1.0, "m1", (0.5, 0.5, 2.0, 1.0, 4.0, 1.0), (Door(**DOOR),))
+        robot.put(push_key("happy", "path_planning", PlannedWay), plan.to_json())
     with McapRecording.open([path]) as recording:
         mission = RecordedHistory.of(recording).missions.at(recording.end_ns)["happy"]
-    assert (mission["goal"], mission["route"]) == ([2.0, 1.0, None], [[0.5, 0.5], [2.0, 1.0]])
+    assert (mission["goal"], mission["route"]) == ([2.0, 1.0, None], [[0.5, 0.5], [2.0, 1.0], [4.0, 1.0]])
+    assert mission["doors"] == [list(DOOR.values())]
     assert (mission["mission"], mission["state"]) == ("m1", "going")
 
 

@@ -109,6 +109,10 @@ async def logs_in(browser: AsyncClient, gate: PasswordGate) -> None:
 async def logs_out(browser: AsyncClient, gate: PasswordGate) -> None:
     kept = browser.cookies[COOKIE]
     await browser.post("/logout")
+    over = await browser.get("/", headers={"cookie": f"{COOKIE}={kept}"})
+    assert over.headers["location"] == "/login?ended"
+    assert "The session has ended" in (await browser.get("/login?ended")).text
+    assert (await browser.get("/session.txt", headers={"cookie": f"{COOKIE}={kept}"})).status_code == 401
     assert await socket_reply(gate, f"{COOKIE}={kept}") == "websocket.close"
 
 
@@ -125,10 +129,10 @@ def test_cookies_of_any_form_open_nothing(cookie: str) -> None:
 
 
 def test_a_session_ends_by_itself_and_its_end_is_told() -> None:
-    ended: list[str] = []
+    ended: list[tuple[str, str]] = []
 
-    async def note(session: str) -> None:
-        ended.append(session)
+    async def note(session: str, why: str) -> None:
+        ended.append((session, why))
 
     async def run() -> str:
         sessions = Sessions(HASH, lasts=0.0, pause=0.0)
@@ -139,4 +143,28 @@ def test_a_session_ends_by_itself_and_its_end_is_told() -> None:
         return session
 
     session = asyncio.run(run())
-    assert ended == [session]
+    assert ended == [(session, "you logged in 0 s ago, and a session lasts no longer")]
+
+
+def test_one_session_whose_end_takes_long_keeps_no_other_from_ending() -> None:
+    ended: list[str] = []
+    first: list[str] = []
+
+    async def end(session: str, why: str) -> None:
+        if session == first[0]:
+            await asyncio.Event().wait()
+        ended.append(session)
+
+    async def run() -> str:
+        sessions = Sessions(HASH, lasts=0.0, pause=0.0)
+        sessions.on_end = end
+        first.append(await sessions.begin(PASSWORD))
+        second = await sessions.begin(PASSWORD)
+        ending = asyncio.ensure_future(sessions.end_old())
+        while not ended:
+            await asyncio.sleep(0.0)
+        ending.cancel()
+        return second
+
+    second = asyncio.run(run())
+    assert ended == [second]

@@ -6,7 +6,7 @@ import ssl
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
-from datetime import timedelta
+from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
 import pytest
@@ -20,8 +20,10 @@ from apps.web.server import listening, page_server, serve_pages
 from bus.secure import CA, CERTIFICATE, PRIVATE_KEY
 from configs.loader import ConfigError
 from tests.bus.secure_site import YEAR, Site
-from tests.waiting import patience
+from tests.waiting import patience, wait_until
 
+BRIEF_S = 3.0
+"""For which a certificate is valid that expires during a test."""
 OWNERS = ("router.lab", "operator.anna", "viewer.vera", "robot.happy")
 
 
@@ -90,6 +92,26 @@ def test_the_role_in_a_certificate_decides_and_programs_and_strangers_are_refuse
             with pytest.raises((ssl.SSLError, ConnectionError)):
                 ask(site, port, refused)
         assert ask(site, port, site.folder / "operator.anna")[0] == 200  # nobody else is affected
+
+
+def test_a_connection_may_nothing_more_once_its_certificate_has_expired(site: Site) -> None:
+    brief = site.make("operator.brief", datetime.now(UTC), timedelta(seconds=BRIEF_S))
+    context = ssl.create_default_context(cafile=site.folder / "router.lab" / CA)
+    context.load_cert_chain(brief / CERTIFICATE, brief / PRIVATE_KEY)
+    with served(site) as port:
+        connection = http.client.HTTPSConnection("127.0.0.1", port, context=context, timeout=patience())
+        told: list[tuple[int, str]] = []
+
+        def has_expired() -> bool:
+            connection.request("GET", "/who")  # by the same connection, as long as the page keeps it open
+            reply = connection.getresponse()
+            told.append((reply.status, reply.read().decode()))
+            return reply.status == 403
+
+        wait_until(has_expired, "the certificate has expired", 2 * BRIEF_S)
+        connection.close()
+    assert told[0] == (200, '["operator.brief",""]')
+    assert "the certificate of operator.brief has expired on" in told[-1][1]
 
 
 def test_without_a_certificate_the_password_is_asked_for_where_there_is_one(site: Site) -> None:

@@ -247,11 +247,11 @@ class DoorsMap:
         beside.replace(path)
 
 
-def thinned(trail: Sequence[Place]) -> tuple[Place, ...]:
-    """Return points of a trail at a spacing of `SPACING` m, with its first and last point."""
+def thinned(trail: Sequence[Place], spacing: float = SPACING) -> tuple[Place, ...]:
+    """Return points of a trail at a spacing, m, with its first and last point."""
     kept = list(trail[:1])
     for point in trail[1:-1]:
-        if hypot(point[0] - kept[-1][0], point[1] - kept[-1][1]) >= SPACING:
+        if hypot(point[0] - kept[-1][0], point[1] - kept[-1][1]) >= spacing:
             kept.append(point)
     return (*kept, *trail[-1:]) if len(trail) > 1 else tuple(kept)
 

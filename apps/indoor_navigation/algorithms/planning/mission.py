@@ -19,7 +19,7 @@ from apps.indoor_navigation.algorithms.planning.right_of_way import RightOfWay
 from apps.indoor_navigation.algorithms.planning.situation import Situation
 from apps.indoor_navigation.algorithms.planning.states import ACTIVE, MOVING, MissionEvent, MissionState
 from apps.indoor_navigation.algorithms.planning.waiting import FOR_SIGHT
-from apps.indoor_navigation.data import DIGITS, DLEData, GoalPoint, ObstRead
+from apps.indoor_navigation.data import DIGITS, DLEData, Door, GoalPoint, ObstRead, Place
 from geometry import Pose2D
 
 FIX_TIMEOUT = 4.0  # s for the localization to say where the robot is, and for its map to come
@@ -216,16 +216,26 @@ class Navigator:
 
     def picture(self) -> dict[str, Any]:
         """Return the data of a picture as JSON, in odom. route: points from the robot on. ends: of the pieces."""
-        guide, frame = self._situation.guide, self._frame
-        points, ends = (guide.points, guide.ends) if self.is_active else ((), ())
+        frame = self._frame
+        ends = self._situation.guide.ends if self.is_active else ()
         known = self.memory.picture(frame.in_odom)
         if frame.is_map:
             known["grid"] = self.memory.grid.area.turned(Pose2D().relative_to(frame.odom)).drawn()
         route = {
-            "route": [list(frame.place_in_odom(point)) for point in points],
+            "route": list(map(list, self.route())),
             "ends": [list(frame.place_in_odom(end)) for end in ends],
         }
         return {**self.status(), **known, **route}
+
+    def route(self) -> list[Place]:
+        """Return the points from the robot to the end of the way, in odom; none where no mission is active."""
+        points = self._situation.guide.points if self.is_active else ()
+        return [self._frame.place_in_odom(point) for point in points]
+
+    def doors(self) -> list[Door]:
+        """Return all doors that are known, in odom."""
+        placed = ((door, self._frame.in_odom((door.x, door.y, door.normal))) for door in self.memory.doors.doors)
+        return [Door(x, y, door.width, normal, door.confidence) for door, (x, y, normal) in placed]
 
     def _goal_in_odom(self, goal: GoalPoint) -> GoalPoint:
         """Return a goal in odom by the last place of odom on a map; one of a map that never came stays as it is."""

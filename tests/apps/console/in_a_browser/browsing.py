@@ -77,10 +77,10 @@ class WatchedTeam:
         return str((lease["elements"].get("base") or {}).get("holder") or "")
 
 
-def drive(team: WatchedTeam, tab: ConsoleTab, key: str = "ArrowLeft") -> None:
-    """Have a tab turn happy, and keep the key down; again, if a busy machine has stopped it."""
-    if not tab.page.url.endswith("/robot/happy"):
-        tab.go("/robot/happy")
+def drive(team: WatchedTeam, tab: ConsoleTab, key: str = "ArrowLeft", robot: str = "happy") -> None:
+    """Have a tab turn a robot, and keep the key down; again, if a busy machine has stopped it."""
+    if not tab.page.url.endswith(f"/robot/{robot}"):
+        tab.go(f"/robot/{robot}")
 
     def turns() -> bool:
         tab.take_control()
@@ -88,9 +88,9 @@ def drive(team: WatchedTeam, tab: ConsoleTab, key: str = "ArrowLeft") -> None:
         tab.page.wait_for_timeout(150)  # ms: a command that says that everything was let go
         tab.hold(key)
         tab.page.wait_for_timeout(600)
-        return team.speed() > 0.1
+        return team.speed(robot) > 0.1
 
-    tab.wait(turns, "happy turns")
+    tab.wait(turns, f"{robot} turns")
 
 
 def choose(tab: ConsoleTab, agent: str) -> None:

@@ -11,6 +11,7 @@ from tests.waiting import wait_until
 
 pytestmark = needs_chromium
 AN_HOUR = "3600"  # s
+OUT_OF_TIME = 2500  # ms; more than a container has for its answer
 
 
 def turn(team: WatchedTeam, tab: ConsoleTab) -> None:
@@ -22,6 +23,24 @@ def turn(team: WatchedTeam, tab: ConsoleTab) -> None:
     tab.page.get_by_label("Within, s").fill(AN_HOUR)
     ask(tab, "request drive", linear="0", angular="0.5", seconds=AN_HOUR)
     tab.wait(lambda: team.speed("max") > 0.2, "max turns")
+
+
+def test_a_form_that_its_container_has_not_told_of_is_asked_for_again(team: WatchedTeam, tab: ConsoleTab) -> None:
+    tab.go("/agents")
+    choose(tab, "base@max")
+    fields = tab.page.locator(".c-form input")
+    fields.first.wait_for()
+    with frozen(*children("container\0--robot\0max", team.running.process.pid)):
+        tab.page.locator(".a-agent", has_text="base@max").first.click()
+        fields.first.wait_for(state="hidden")  # at once: nothing is asked for with an old form
+        tab.page.wait_for_timeout(OUT_OF_TIME)
+
+    def is_offered() -> bool:
+        tab.press_if_shown(tab.page.get_by_role("button", name="Try again"))
+        return fields.count() > 0
+
+    tab.page.get_by_text("its container max has not answered").first.wait_for()
+    tab.wait(is_offered, "the form is there")
 
 
 def test_what_a_browser_has_set_in_motion_ends_with_cancel_and_when_it_is_frozen_or_closed(

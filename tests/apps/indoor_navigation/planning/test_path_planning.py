@@ -11,7 +11,7 @@ from agents.platform.virtual_time import VirtualTimeLoop
 from apps.indoor_navigation.algorithms.outline import Outline
 from apps.indoor_navigation.component import query_key, send_key
 from apps.indoor_navigation.components.path_planning import PathPlanning
-from apps.indoor_navigation.data import Data, DLEData, Door, GoalPoint, LogMessage, ObstRead, WorldCoord
+from apps.indoor_navigation.data import Data, DLEData, Door, GoalPoint, LogMessage, ObstRead, PlannedWay, WorldCoord
 from bus import MemoryBus, Sample
 from bus.messages import decode_json
 from tests.apps.indoor_navigation.planning.house import House
@@ -225,6 +225,28 @@ def test_a_picture_can_be_asked_for_at_any_time(site: Site, others: Others) -> N
     assert site.ask("path_planning", "picture")["grid"]["runs"] == []
     others.see(0.5)
     assert site.ask("path_planning", "picture")["pose"] == [0.0, 0.0, 0.0]
+
+
+def test_whoever_watches_gets_the_whole_plan_with_the_doors_until_the_mission_has_ended(
+    site: Site, others: Others
+) -> None:
+    start(site)
+    others.see(1.5, DLEData(0.0, (0.0, 0.0, 0.0), (DOOR,)))
+    others.tell(GoalPoint("m1", 8.0, 0.0))
+    others.see(0.5)
+    plans = site.pushed("path_planning", PlannedWay)
+    others.see(2.0)
+    assert 3 <= len(plans) <= 5  # two a second
+    plan = plans[-1]
+    assert (plan.mission, plan.route[:2]) == ("m1", (0.0, 0.0))
+    assert plan.route[-2:] == pytest.approx((8.0, 0.0), abs=0.3)  # the goal, though the next piece ends at the door
+    assert [door.x for door in plan.doors] == pytest.approx([DOOR.x])
+    others.tell(GoalPoint("m1", None, None))
+    others.see(2.0)
+    assert plans[-1].route == ()
+    count = len(plans)
+    others.see(2.0)
+    assert len(plans) == count, "without a mission there is no plan to tell"
 
 
 def test_a_goal_that_is_none_is_refused_in_words(site: Site, others: Others) -> None:
