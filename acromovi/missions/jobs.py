@@ -207,9 +207,13 @@ class _Chooser:
         """Somebody who goes the same way or comes towards the robot, and others who walk about."""
         start = way.points[0]
         if way.length > 2 * LEAST_WALK:
-            met = with_people(_between(world, start, way.points[-1]), seed, 1, keep_clear=[start])
-            world = replace(met, places=world.places)
-        return with_people(world, seed, PEOPLE, keep_clear=[start])
+            with suppress(WorldError):  # the robot may go where a person does not fit between boxes
+                met = with_people(_between(world, start, way.points[-1]), seed, 1, keep_clear=[start])
+                world = replace(met, places=world.places)
+        try:
+            return with_people(world, seed, PEOPLE, keep_clear=[start])
+        except WorldError as err:
+            raise NoRoom(str(err)) from err
 
     def _goal(self, case: Case, room: Point, chance: Random) -> Point:
         if case is Case.ROOM:

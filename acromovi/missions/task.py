@@ -12,7 +12,7 @@ CLEARANCE_STEP = 0.005  # m, of the search
 
 
 class NoRoom(WorldError):
-    """A world has no start and goal for a mission of a case."""
+    """A world has no start and goal for a mission of a case, or no way for its people."""
 
 
 @dataclass(frozen=True, slots=True)

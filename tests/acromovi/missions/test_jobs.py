@@ -42,6 +42,11 @@ def test_every_mission_is_possible_whatever_stands_in_the_way(case: Case, seed: 
     assert len(task.world.people) >= 2
 
 
+def test_a_person_who_does_not_fit_on_the_robot_s_way_walks_elsewhere() -> None:
+    job = Job(Case.ROOMS, Condition.ALL, 9514, "p2at", "glass:9514")
+    assert len(job.task().world.people) >= 2
+
+
 def test_mission_in_a_room_passes_no_door_and_one_into_another_room_two() -> None:
     for seed in range(3):
         for case, passes in ((Case.ROOM, False), (Case.ROOMS, True)):
