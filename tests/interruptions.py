@@ -21,9 +21,9 @@ T = TypeVar("T")
 TRIES = 3
 INTERRUPTED = re.compile(
     r"(has been|was) silent for \d|connection to \S+ was lost|commander lost|lost after \d|is not connected|"
-    r"(been|was) frozen"
+    r"(been|was) frozen|the machine is too busy"
 )
-"""What is said of a motion that was interrupted."""
+"""What is said of a motion that was interrupted, and of what an emulator gives up that cannot keep up."""
 
 
 @pytest.hookimpl(tryfirst=True)  # before pytest-rerunfailures reads it

@@ -13,6 +13,7 @@ from tests.interruptions import TRIES, again_if_interrupted
         "the gripper was stopped: its commander, happy/agents/gripper/heartbeat, was silent for 0.5 s",
         "the robot is not connected; the gateway goes on looking for it",
         "the gateway has just been frozen and does not know how old this command is",
+        "a picture did not come within 60 s; the machine is too busy, and the emulator has given up camera images",
     ],
 )
 def test_what_a_busy_machine_interrupts_is_done_again(said: str) -> None:

@@ -3,15 +3,27 @@
 import math
 from typing import Any
 
-from acromovi.scenes.stage import Scene, SceneStage
+from acromovi.scenes.stage import MOST_MOTIONS, Scene, SceneFailed, SceneStage
 from bus import keys
+
+STALL_S = 8.0  # s; a wheel that is driven stalls in less than one
 
 
 def _stalled(stage: SceneStage) -> None:
-    stage.ask("fault", fault="wheel-stalled:side=left@0+8")
-    stage.tell(keys.MOVE, distance=1.0)
-    state = stage.see(keys.STATE, lambda state: any("stalled" in fault for fault in state.faults), "a stalled wheel")
-    stage.say("; ".join(state.faults))
+    def is_stalled(state: Any) -> bool:
+        return any("stalled" in fault for fault in state.faults)
+
+    for left in reversed(range(MOST_MOTIONS)):
+        stage.ask("fault", fault=f"wheel-stalled:side=left@0+{STALL_S:g}")
+        stage.tell(keys.MOVE, distance=1.0)
+        try:
+            state = stage.see(keys.STATE, is_stalled, "a stalled wheel", STALL_S)
+        except SceneFailed:
+            if not left:
+                raise
+        else:
+            stage.say("; ".join(state.faults))
+            return
 
 
 def _dead_disc(stage: SceneStage) -> None:

@@ -19,7 +19,7 @@ PATIENCE_S = 30.0  # a gateway connects in 2 s, at a load of ten for each core i
 DRIVING_PERIOD_S = 0.1
 HELD_UP = ("the robot is not connected", "the gateway has just been frozen")
 """Beginnings of what a gateway says that refuses a command because the machine keeps it from its work."""
-MOST_LOOKS = 3
+MOST_LOOKS = MOST_MOTIONS = 3  # times that a motion is told which a busy machine has interrupted
 THERE = 0.02  # rad that a head may be off when it has got there
 
 
@@ -133,7 +133,14 @@ class SceneStage:
                 message = messages.decode(topic.type_name, sample.payload)
                 if wanted(message):
                     return message
-        raise SceneFailed(f"{self.robot}/{topic.suffix}: {what or 'nothing'} did not come within {within:g} s")
+        raise SceneFailed(
+            f"{self.robot}/{topic.suffix}: {what or 'nothing'} did not come within {within:g} s{self._given_up()}"
+        )
+
+    def _given_up(self) -> str:
+        """Return what the emulator has given up, as the end of a message; empty where it keeps up."""
+        degraded = self.ask("truth").get("degraded")
+        return f"; the machine is too busy, and the emulator has given up {' and '.join(degraded)}" if degraded else ""
 
     def look(self, pan: float, tilt: float = 0.0, zoom: float = 1.0) -> Any:
         """Turn the camera head, rad, and wait until it is there; returns what it tells then.
