@@ -71,7 +71,7 @@ class Area(NamedTuple):
 
         What may be a person is not expected to stay.
         """
-        return (self.occupied & (self.fixed | (~np.isinf(self.first_hit) & ~self.body))) | self.forbidden
+        return self.walls | (self.occupied & ~np.isinf(self.first_hit) & ~self.body)
 
     def people(self, place: Place, beyond: float) -> Bools:
         """Return the cells of what may be people, farther from a place than so many m; not those of walls."""

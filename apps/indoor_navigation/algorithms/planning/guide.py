@@ -155,7 +155,7 @@ class Guide:
 
     def look_hoping(self, now: float) -> float | None:
         """Plan a way through obstacles that may go away, up to the first one; return its distance, m, or None."""
-        ground, hoping = self._survey(now), self._survey(now, _walls, self._parameters.memory.cost.hope)
+        ground, hoping = self._survey(now), self._survey(now, _staying, self._parameters.memory.cost.hope)
         plan = self._search(hoping).find()
         barred = plan.first_barred(ground) if plan is not None else None
         if plan is None or barred is None:

@@ -188,6 +188,15 @@ def test_where_the_only_door_stays_shut_it_is_said_and_the_robot_stands() -> Non
     assert robot.navigator.step(robot.time) == REST
 
 
+def test_nobody_hopes_that_a_wall_goes_away_which_was_only_just_seen() -> None:
+    rooms = House([]).box(0.0, 0.0, 8.0, 4.0)
+    rooms.walls.append((4.0, 0.0, 4.0, 4.0))
+    robot = walker(rooms, (1.5, 2.0, 0.0))
+    robot.go(6.5, 2.0)
+    assert robot.run_to_end(60.0) == "failed"
+    assert "the only way is barred" not in notes(robot)
+
+
 @pytest.mark.parametrize(
     ("goal", "reason"),
     [
