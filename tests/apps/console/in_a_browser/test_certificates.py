@@ -65,7 +65,7 @@ def test_an_operator_drives_and_a_viewer_only_looks(
         viewer.go("/agents")
         viewer.page.locator(".a-agent", has_text="base@happy").first.click()
         viewer.page.get_by_text("the role of your certificate permits looking only").first.wait_for()
-        assert viewer.page.get_by_role("button", name="Ask", exact=True).is_disabled()
+        wait_until(viewer.page.get_by_role("button", name="Ask", exact=True).is_disabled, "Ask is disabled")
         assert viewer.page.get_by_role("button", name="Suspend").is_disabled()
 
 
