@@ -13,6 +13,10 @@ STANDS = 0.01  # m/s and rad/s
 PAUSE = 0.1  # s between two looks at a robot
 
 
+class PageEnded(Exception):
+    """A page that was to drive has ended, with its session or its certificate."""
+
+
 class ConsoleTab(OpenPage):
     """A tab of the browser."""
 
@@ -26,9 +30,15 @@ class ConsoleTab(OpenPage):
         self.page.goto(self.address + path)
 
     def take_control(self) -> None:
-        """Take control of the robot, unless this tab has it; again, while another one is about to release it."""
+        """Take control of the robot, unless this tab has it; again, while another one is about to release it.
+
+        Raises:
+            PageEnded: It shows that it has ended, or the page for the password.
+        """
 
         def drives() -> bool:
+            if self.page.get_by_text("This page has ended").count() or "/login" in self.page.url:
+                raise PageEnded(self.page.url)
             if self.page.get_by_role("button", name="Release control").count():
                 return True
             self.press_if_shown(self.page.get_by_role("button", name="Take control"))

@@ -1,13 +1,15 @@
 """A certificate that expires and a session that ends while their pages drive: robots stop, and the pages tell why."""
 
 import time
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
 from playwright.sync_api import Browser
 
 from apps.web.access import PasswordHash
-from tests.apps.console.in_a_browser.browsing import ConsoleTab, WatchedTeam, drive
+from tests.apps.console.in_a_browser.browsing import ConsoleTab, PageEnded, WatchedTeam, drive
 from tests.apps.console.in_a_browser.test_certificates import tab_of
 from tests.apps.web.browsing import needs_chromium, serving
 from tests.bus.secure_site import Site
@@ -15,6 +17,7 @@ from tests.waiting import wait_until
 
 pytestmark = needs_chromium
 LEAST, TIMES = 8.0, 5.0  # s, and times what it takes until one page drives; by then two pages must
+LONGER = 1, 3, 9  # times that, if the machine has become slower meanwhile
 PASSWORD = "correct horse"
 
 
@@ -29,14 +32,16 @@ def stops_and_tells_why(team: WatchedTeam, tab: ConsoleTab, robot: str, words: s
     team.stands(robot)
 
 
-def test_a_page_drives_no_longer_than_its_certificate_is_valid_or_its_session_lasts(
-    team: WatchedTeam, tab: ConsoleTab, browser: Browser, tmp_path: Path
-) -> None:
-    begun = time.monotonic()
-    drive(team, tab)
-    lasts = round(LEAST + TIMES * (time.monotonic() - begun))
-    tab.rest()
-    site, file, settings = Site(tmp_path / "site"), tmp_path / "password", tmp_path / "settings.toml"
+@contextmanager
+def driving_pages(
+    team: WatchedTeam, browser: Browser, folder: Path, lasts: int
+) -> Iterator[tuple[ConsoleTab, ConsoleTab]]:
+    """Open a page with a certificate and one with a password, which last for so many s, and drive with both.
+
+    Raises:
+        PageEnded: That was too short on this machine.
+    """
+    site, file, settings = Site(folder / "site"), folder / "password", folder / "settings.toml"
     site.make("router.lab")
     PasswordHash.of(PASSWORD).write(file)
     settings.write_text(f"[access]\nsession_s = {lasts}\n")
@@ -49,7 +54,26 @@ def test_a_page_drives_no_longer_than_its_certificate_is_valid_or_its_session_la
             known.page.locator(".c-chip").first.wait_for()
             drive(team, known, robot="max")
             drive(team, certified)
-            stops_and_tells_why(team, certified, "happy", "The certificate of operator.brief has expired on")
-            stops_and_tells_why(team, known, "max", "and a session lasts no longer")
-            known.page.get_by_role("link", name="Open the console again").click()
-            known.page.get_by_label("Password of the console").wait_for()
+            yield certified, known
+
+
+def test_a_page_drives_no_longer_than_its_certificate_is_valid_or_its_session_lasts(
+    team: WatchedTeam, tab: ConsoleTab, browser: Browser, tmp_path: Path
+) -> None:
+    begun = time.monotonic()
+    drive(team, tab)
+    lasts = LEAST + TIMES * (time.monotonic() - begun)
+    tab.rest()
+    with ExitStack() as stack:
+        for longer in LONGER:
+            try:
+                opened = driving_pages(team, browser, tmp_path / f"{longer}", round(longer * lasts))
+                certified, known = stack.enter_context(opened)
+                break
+            except PageEnded:  # the machine has become slower than it was when the first page drove
+                if longer == LONGER[-1]:
+                    raise
+        stops_and_tells_why(team, certified, "happy", "The certificate of operator.brief has expired on")
+        stops_and_tells_why(team, known, "max", "and a session lasts no longer")
+        known.page.get_by_role("link", name="Open the console again").click()
+        known.page.get_by_label("Password of the console").wait_for()
