@@ -105,7 +105,10 @@ def _robot() -> Iterator[None]:
                 camera.put(CompressedImage(header=header(time.time_ns(), f"{ROBOT}/camera"), format="jpeg", data=data))
                 number += 1
 
-    with ZenohBus.open() as bus, subprocess.Popen(command, stdout=subprocess.DEVNULL) as container:
+    with (
+        ZenohBus.open() as bus,
+        subprocess.Popen(command, stdout=subprocess.DEVNULL) as container,
+    ):  # its lines: for people
         showing = threading.Thread(target=show, args=(bus,))
         try:
             bus.serve(keys.DESCRIPTION.key(ROBOT), lambda arguments: {"model": "p3dx-sh", "elements": [row]})

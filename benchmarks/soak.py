@@ -170,7 +170,7 @@ def _sample(root: int, visitors: Visitors, seconds: float) -> list[Row]:
 
 
 def _name_of(pid: int) -> str:
-    words = Path(f"/proc/{pid}/cmdline").read_bytes().decode(errors="replace").split("\0")
+    words = Path(f"/proc/{pid}/cmdline").read_bytes().decode(errors="replace").split("\0")  # of any program
     module = words[words.index("-m") + 1] if "-m" in words else Path(words[0]).name
     which = next((word for word in words if word in ("up", "container", "--services")), "")
     own = "services" if "--services" in words else which

@@ -75,7 +75,7 @@ def sums_by_kind(root: int, measure: Callable[[int], float]) -> dict[str, float]
 
 def kind_of(pid: int) -> str:
     """What a process is that serves a team or shows it, by its command line."""
-    line = Path(f"/proc/{pid}/cmdline").read_bytes().decode(errors="replace")
+    line = Path(f"/proc/{pid}/cmdline").read_bytes().decode(errors="replace")  # of any program
     parts = {
         "\0p2os_emu\0": "emulator",
         "\0gateway\0": "gateways",

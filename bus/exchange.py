@@ -225,4 +225,4 @@ def _why(payload: bytes) -> str:
     try:
         return str(decode_json(payload)["error"])
     except (MessageError, KeyError):
-        return sentence(payload.decode(errors="replace"))
+        return sentence(payload.decode(errors="replace"))  # of any program

@@ -71,7 +71,7 @@ class LocalBus(NamedTuple):
             BusUnavailable: The kernel does not tell which sockets there are.
         """
         try:
-            rows = SOCKETS.read_text(encoding="utf-8", errors="replace").splitlines()
+            rows = SOCKETS.read_text(encoding="utf-8", errors="replace").splitlines()  # only figures are read
         except OSError as err:
             why = f"{SOCKETS} cannot be read ({err.strerror})"
             raise BusUnavailable(f"the profile local needs /proc to find other programs, and {why}") from err

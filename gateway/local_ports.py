@@ -56,7 +56,7 @@ def user_of_terminal(path: str) -> _Holder | None:
     """
     try:
         number = Path(path).stat().st_rdev
-    except OSError:
+    except OSError:  # there is none; who opens the port says so
         return None
     if os.major(number) not in PTY_MAJORS:
         return None

@@ -84,7 +84,7 @@ def read_map(path: str | Path) -> MapFile:
         MapError: the file cannot be read, is no map, or a row of it makes no sense.
     """
     try:
-        text = Path(path).read_text(encoding="utf-8", errors="replace")
+        text = Path(path).read_text(encoding="utf-8", errors="replace")  # older programs wrote names in Latin-1
     except OSError as err:
         raise MapError(f"{path}: cannot be read: {err.strerror}") from err
     return parse_map(text, str(path))

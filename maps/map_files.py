@@ -29,9 +29,9 @@ def read_building_map(path: str | Path) -> BuildingMap:
     """
     path = Path(path)
     if path.suffix in ARIA:
-        return parse_aria_map(_read(path).decode(errors="replace"), str(path))
+        return parse_aria_map(_read(path).decode(errors="replace"), str(path))  # names in Latin-1
     if path.suffix in ROS:
-        yaml = parse_map_yaml(_read(path).decode(errors="replace"), str(path))
+        yaml = parse_map_yaml(_read(path).decode(errors="replace"), str(path))  # likewise
         picture = path.parent / yaml.image
         return BuildingMap(grid=grid_of_picture(parse_pgm(_read(picture), str(picture)), yaml), places=yaml.places)
     raise _unknown_kind(path)

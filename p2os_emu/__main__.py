@@ -53,7 +53,7 @@ def _ended_by_signals() -> Iterator[None]:
     before = {number: signal.signal(number, _leave) for number in _ENDINGS}
     try:
         yield
-    except _EndSignal:
+    except _EndSignal:  # that is how it ends
         return
     finally:
         for number, handler in before.items():

@@ -115,7 +115,7 @@ class ControlSocket:
     def _hear(self, client: _Client) -> None:
         try:
             data = client.connection.recv(_READ_SIZE)
-        except BlockingIOError:
+        except BlockingIOError:  # nothing has come yet
             return
         except OSError:
             self._let_go(client)

@@ -253,7 +253,7 @@ def _records(chunk: Chunk) -> list[McapRecord] | None:
         return None
     try:
         return breakup_chunk(chunk, validate_crc=True)
-    except _DAMAGE:
+    except _DAMAGE:  # None says that it is damaged
         return None
 
 
@@ -293,7 +293,7 @@ def _is_known(type_name: str, schema: Schema) -> bool:
     if schema.encoding != "ros2msg" or not schema.data:
         return False
     try:
-        learn(type_name, schema.data.decode(errors="replace"))
+        learn(type_name, schema.data.decode(errors="replace"))  # comments in any encoding
         prepare(type_name)
         return True
     except MessageError:

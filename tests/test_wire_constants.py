@@ -101,7 +101,7 @@ def _literal(node: ast.AST) -> object:
             return range(*(each for each in bounds if isinstance(each, int))) if None not in bounds else None
     try:
         return ast.literal_eval(node)
-    except ValueError:
+    except ValueError:  # no literal
         return None
 
 

@@ -79,7 +79,7 @@ class NavigationAtWork(Closeable):
         """Take a line of standard output; the first one reports that the container runs."""
         try:
             said = json.loads(line)
-        except ValueError:
+        except ValueError:  # no line of ours: a library printed it
             return
         if said == {"container": program.container}:
             self._serving.add(program.container)
@@ -106,7 +106,7 @@ class NavigationAtWork(Closeable):
         """Take a token on the thread of the bus."""
         try:
             container = ContainerName.of_key(key)
-        except NameNotValid:
+        except NameNotValid:  # of another program, which names its containers otherwise
             return
         hand_over(self._loop, self._note, container.name, is_there)
 

@@ -77,7 +77,7 @@ class ForkServer:
         try:
             async with asyncio.timeout(START_TIME):
                 pid = await begun
-        except ConnectionError:
+        except ConnectionError:  # the server has ended; who asks starts a process without it
             return None
         except TimeoutError:  # it is frozen, and must not start this copy later
             self._process.kill()
@@ -101,7 +101,7 @@ class ForkServer:
     def _hear(self) -> None:
         try:
             message = self._link.recv(LARGEST)
-        except BlockingIOError:
+        except BlockingIOError:  # nothing has come yet
             return
         except OSError:
             message = b""

@@ -125,6 +125,7 @@ class Processes:
     @classmethod
     async def open(cls, folder: Path) -> "Processes":
         """Begin with nothing but the reaper, which removes the folder in the end, and the fork server."""
+        # It says nothing, and must hold no pipe open of a team that has ended.
         reaper = await asyncio.create_subprocess_exec(
             sys.executable, "-m", "acromovi.team.reaper", str(folder), stdin=PIPE, stdout=DEVNULL, process_group=0
         )
@@ -177,7 +178,7 @@ class Processes:
 def _kept(stage: ProcessKind, pid: int) -> ReapedProcess | None:
     try:
         return ReapedProcess(stage.value, pid)
-    except ProcessLookupError:
+    except ProcessLookupError:  # it has ended meanwhile, so there is nothing to keep
         return None
 
 
@@ -189,4 +190,4 @@ async def _read(stream: asyncio.StreamReader, hear: Hear) -> None:
             continue  # a line longer than any that we say
         if not line:
             return
-        hear(line.decode(errors="replace").rstrip("\n"))
+        hear(line.decode(errors="replace").rstrip("\n"))  # what a library prints may be anything

@@ -181,7 +181,7 @@ class Team(Closeable):
         while True:
             try:
                 self.sleep(start + beat * period - clock())
-            except Stopped:
+            except Stopped:  # the program is to end, and so are its beats
                 return
             yield clock() - start
             beat = max(beat + 1, int((clock() - start) / period))

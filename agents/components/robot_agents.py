@@ -154,7 +154,7 @@ class RobotAgents:
             (answer, *_) = await query(self._container.bus, DESCRIPTION.key(self._robot), None, DESCRIPTION_TIME)
         except BusUnavailable:
             raise
-        except (TimeoutError, Refused):
+        except (TimeoutError, Refused):  # None says that it has not described itself; it is asked again
             return None
         return self.described(answer.value)
 

@@ -128,7 +128,10 @@ class ProgramRun:
             self._listening.cancel()
 
     async def _spawn(self) -> None:
-        pipe, nothing = asyncio.subprocess.PIPE, asyncio.subprocess.DEVNULL
+        pipe, nothing = (
+            asyncio.subprocess.PIPE,
+            asyncio.subprocess.DEVNULL,
+        )  # a program that is reached by TCP says nothing here
         streams = nothing if self._address else pipe
         try:
             self._process = await asyncio.create_subprocess_exec(

@@ -112,7 +112,7 @@ def agent_name(text: str) -> AgentName | None:
     """Return the name of an agent; None if the text is none."""
     try:
         return AgentName.parse(text)
-    except NameNotValid:
+    except NameNotValid:  # None says so
         return None
 
 

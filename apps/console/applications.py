@@ -152,10 +152,10 @@ async def _read(run: ApplicationRun, process: asyncio.subprocess.Process) -> Non
     while data := await process.stdout.read(1 << 14):
         *lines, rest = (rest + data).split(b"\n")
         for line in lines:
-            run.add(line.decode(errors="replace"))
+            run.add(line.decode(errors="replace"))  # what a program prints may be anything
         rest = rest[-4 * _LONGEST_LINE :]
     if rest:
-        run.add(rest.decode(errors="replace"))
+        run.add(rest.decode(errors="replace"))  # likewise
     run.code = await process.wait()
 
 

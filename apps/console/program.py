@@ -342,5 +342,5 @@ class Console:
 def _command_of(text: str) -> DriveCommand | None:
     try:
         return DriveCommand.from_json(json.loads(text))
-    except (ValueError, RecursionError):
+    except (ValueError, RecursionError):  # None says that it is no command
         return None

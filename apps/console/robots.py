@@ -210,7 +210,7 @@ class RobotWatch(Closeable):
     def _take_state(self, robot: WatchedRobot, sample: Sample) -> None:  # on the bus's thread
         try:
             hand_over(self._loop, self._note_state, robot, sample.decoded())
-        except MessageError:
+        except MessageError:  # of any program; the next one may be right
             return
 
     def _note_state(self, robot: WatchedRobot, state: Any) -> None:
@@ -223,7 +223,7 @@ class RobotWatch(Closeable):
     def _take_lease(self, robot: WatchedRobot, sample: Sample) -> None:  # on the bus's thread
         try:
             hand_over(self._loop, self._note_lease, robot, sample.decoded())
-        except MessageError:
+        except MessageError:  # likewise
             return
 
     def _note_lease(self, robot: WatchedRobot, lease: dict[str, Any]) -> None:

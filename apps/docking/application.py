@@ -133,7 +133,7 @@ class _Docking:
         before = dock.compose(Pose2D(-self.settings.approach.away_m, 0.0, 0.0))
         try:
             begun = self._team.ask(interface, "go", x=before.x, y=before.y, heading=before.heading)
-        except NotThere:
+        except NotThere:  # without a navigation the robot drives by its own means
             return
         self._tell("navigates to the place before the dock")
         try:

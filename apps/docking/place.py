@@ -55,7 +55,7 @@ def _numbers(given: str | Sequence[float]) -> Pose2D | None:
     parts = given.strip("[] ").split(",") if isinstance(given, str) else given
     try:
         x, y, heading = map(float, parts)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError):  # None says that it is no pose
         return None
     if not (math.isfinite(x) and math.isfinite(y) and math.isfinite(heading)):
         return None

@@ -68,7 +68,7 @@ class NewestItem:
             async with asyncio.timeout(within):
                 while self._number <= than:
                     await self._moved.wait()
-        except TimeoutError:
+        except TimeoutError:  # None says that none has come in time
             return None
         return self.item
 

@@ -82,7 +82,7 @@ class CameraProcess:
                 [*command, str(image), str(model.quality), f"The camera of {name}"],
                 pass_fds=(channel.fileno(), listener.fileno()),
                 stdin=subprocess.DEVNULL,
-                stdout=subprocess.DEVNULL,
+                stdout=subprocess.DEVNULL,  # the engine prints there
                 start_new_session=True,  # Ctrl-C in the terminal is for the emulator, whose end is the camera's
             )
 

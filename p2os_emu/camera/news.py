@@ -65,7 +65,7 @@ def watched_reports(channel: socket.socket) -> Iterator[bool]:
     while True:
         try:
             report = channel.recv(1, socket.MSG_DONTWAIT)
-        except BlockingIOError:
+        except BlockingIOError:  # nothing has come yet
             return
         if not report:
             raise ConnectionError("the process of the camera has ended")

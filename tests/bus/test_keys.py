@@ -64,6 +64,6 @@ def test_what_cannot_name_a_robot_is_refused_in_one_sentence(name: str) -> None:
 def test_whatever_names_a_robot_makes_a_sound_key(name: str) -> None:
     try:
         robot_name(name)
-    except KeyNotValid:
+    except KeyNotValid:  # it names no robot
         return
     assert plain_key(keys.ODOM.key(name)) == f"{name}/odom"

@@ -37,7 +37,7 @@ class IpCamera:
         while True:
             try:
                 connection, _ = self._listener.accept()
-            except OSError:
+            except OSError:  # it was closed
                 return
             with connection, suppress(ConnectionError):  # a client may hang up at any time
                 self.requests.append(connection.recv(4096))

@@ -23,7 +23,7 @@ def test_nothing_is_collected_in_the_block_and_the_collector_is_as_before_afterw
 
 def test_what_the_block_makes_is_not_looked_through_again() -> None:
     with uncollected():
-        made = [[] for _ in range(1000)]  # type: ignore[var-annotated]
+        made: list[list[int]] = [[] for _ in range(1000)]
     tracked = {id(each) for each in gc.get_objects()}
     assert not any(id(each) in tracked for each in made)
 

@@ -235,7 +235,7 @@ class ServedPeer:
             if select.select([client], (), (), 0.01)[0]:
                 try:
                     data = client.recv(4096)
-                except ConnectionError:
+                except ConnectionError:  # the client has hung up
                     return
                 if not data:
                     return

@@ -42,7 +42,7 @@ def model(bus: ZenohBus, name: str) -> str | None:
     """Of the robot that answers to a name; None for nobody."""
     try:
         (answer,) = bus.query(f"{name}/description")
-    except TimeoutError:
+    except TimeoutError:  # nobody has it
         return None
     return str(answer.value["model"])
 

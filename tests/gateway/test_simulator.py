@@ -246,6 +246,7 @@ def test_connections_that_the_peer_closes_follow_each_other_ever_more_slowly() -
 
     with serving(Closing()) as served:
         command = [sys.executable, "-m", "gateway", served.url, "--wait", "--quiet"]
+        # What it complains of is tested elsewhere.
         with subprocess.Popen(command, stderr=subprocess.DEVNULL) as process:
             try:
                 wait_until(lambda: len(served.connections) >= 7)

@@ -198,7 +198,7 @@ def test_a_count_of_readings_that_lies_is_refused(p3dx: RobotModel) -> None:
 def test_any_payload_is_a_sip_or_a_decode_error(p3dx: RobotModel, payload: bytes) -> None:
     try:
         sip = SipCodec(p3dx).decode(payload)
-    except DecodeError:
+    except DecodeError:  # the other of the two outcomes
         return
     assert 0 <= sip.x < 32.768
     assert -pi < sip.heading <= pi

@@ -19,6 +19,7 @@ def display() -> Iterator[str]:
         pytest.skip("a window needs a display, and Xvfb, which would make one, is not installed")
     reader, writer = os.pipe()
     command = [server, "-displayfd", str(writer), "-screen", "0", "800x600x24", "-nolisten", "tcp"]
+    # The server complains of keyboards that nobody has.
     with subprocess.Popen(command, pass_fds=[writer], stderr=subprocess.DEVNULL) as process:
         os.close(writer)
         try:

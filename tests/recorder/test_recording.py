@@ -122,7 +122,7 @@ def test_a_damaged_byte_never_gives_a_traceback(
     path.write_bytes(data)
     try:
         found = read(path)
-    except McapRecordingError:
+    except McapRecordingError:  # nothing of it can be read, and that is said
         return
     payloads = {each.sample.payload for each in read(whole)}
     assert {each.sample.payload for each in found} <= payloads

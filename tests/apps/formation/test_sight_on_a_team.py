@@ -44,6 +44,7 @@ def team(tmp_path_factory: pytest.TempPathFactory) -> Iterator[RunningTeam]:
 def formation(team: RunningTeam, folder: Path) -> "Iterator[subprocess.Popen[str]]":
     """Run the application behind a leader that another program drives, until the block ends."""
     words = ["formation", "leader=happy", "followers=doc", "shape=column", "poses=sight", "film=drive.gif"]
+    # What the leader's program prints is not what is tested.
     with subprocess.Popen(
         [sys.executable, *LEAD, "--bus", team.profile], cwd=ROOT, stdout=subprocess.DEVNULL
     ) as leading:

@@ -59,6 +59,7 @@ def following(team: RunningTeam, folder: Path, command: str = "run") -> "Iterato
         "--timeout",
         "90",
     ]
+    # What the leader's program prints is not what is tested.
     with subprocess.Popen([*words, "--bus", team.profile], cwd=ROOT, stdout=subprocess.DEVNULL) as leading:
         try:
             with application(team, folder, FOLLOWING, ["happy"], command) as process:
