@@ -75,10 +75,12 @@ class Area(NamedTuple):
 
     def people(self, place: Place, beyond: float) -> Bools:
         """Return the cells of what may be people, farther from a place than so many m; not those of walls."""
-        height, width = self.body.shape
-        across = self.x + (np.arange(width) + 0.5) * self.resolution - place[0]
-        along = self.y + (np.arange(height)[:, None] + 0.5) * self.resolution - place[1]
-        return np.asarray(self.body & ~self.fixed & (across * across + along * along > beyond * beyond))
+        found = self.body & ~self.fixed
+        rows, columns = np.nonzero(found)  # few, if any
+        across = self.x + (columns + 0.5) * self.resolution - place[0]
+        along = self.y + (rows + 0.5) * self.resolution - place[1]
+        found[rows, columns] = across * across + along * along > beyond * beyond
+        return found
 
     @property
     def unknown(self) -> Bools:

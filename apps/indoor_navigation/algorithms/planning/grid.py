@@ -34,7 +34,6 @@ ECHO, MAX_ECHO = 2, 6  # evidence of an echo that the laser sees through, and th
 SIMILAR = 0.4  # rad between two directions from which a disc hears the same surfaces
 NARROW_CONE = 0.26  # rad beside the axis of a disc within which it hears what is there
 ECHO_DEPTH = 0.15  # m before the end of a sonar ray that are free for certain
-SONAR_MOUNT = 0.6  # m, the farthest that a disc is from the middle of a robot
 BESIDE_BODY = 0.2  # m about a body within which an echo is the body's
 STRIDE = 0.7  # of a cell, between two places of a ray that passes, so that no cell in its middle is left out
 SEAM_PARTS = 12  # of the seam between two hits; at most 5 cm each, the edge of a cell
@@ -86,7 +85,7 @@ class Grid:
         self.area = nothing if self._map is None else self._map.copied()
         self._has_walkers = False  # whether anything has moved; most of the time nothing has
 
-    def forget_passing(self, before: float) -> bool:
+    def forget_transient(self, before: float) -> bool:
         """Clear obstacles that may have gone since they were hit, before s; return whether there were any.
 
         Those are all on free floor of the map, or without a map what has not become a wall.
@@ -229,7 +228,7 @@ class Grid:
         for x, y, radius, has_moved in zip(
             bodies.x.tolist(), bodies.y.tolist(), bodies.radius.tolist(), bodies.have_moved.tolist(), strict=True
         ):
-            part = self.area.around((x, y), margin=radius + TRACE_TIME * TRACE_SPEED)
+            part = self.area.around((x, y), margin=radius + (TRACE_TIME * TRACE_SPEED if has_moved else 0.0))
             height, width = part.body.shape
             across = part.x + (np.arange(width) + 0.5) * part.resolution - x
             along = part.y + (np.arange(height)[:, None] + 0.5) * part.resolution - y
@@ -254,7 +253,7 @@ class Grid:
             watched: Those where the laser looks.
             perceived: With bodies, whose echoes are not those of glass.
         """
-        near = self.area.around(perceived.pose[:2], margin=self._parameters.lone_reach + SONAR_MOUNT)
+        near = self.area.around(perceived.pose[:2], margin=self._parameters.lone_reach + MAX_OFFSET)
         rows, columns = np.nonzero(near.echo != 0)
         x = np.asarray(near.x + (columns + 0.5) * near.resolution, np.float64)
         y = np.asarray(near.y + (rows + 0.5) * near.resolution, np.float64)

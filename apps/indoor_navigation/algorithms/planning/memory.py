@@ -86,7 +86,7 @@ class Memory:
         self._stamp = reading.stamp
         if self._has_begun:  # only now it is known how much time has passed since the mission before
             self._has_begun = False
-            self.forget_passing(self.parameters.remember)
+            self.forget_transient(self.parameters.remember)
         self.grid.see(reading)
         return jumped
 
@@ -103,9 +103,9 @@ class Memory:
         self.has_jumped = True  # the frame of planning is another one
         self.forget()
 
-    def forget_passing(self, age: float) -> bool:
+    def forget_transient(self, age: float) -> bool:
         """Forget obstacles that may have gone since they were seen, s ago; return whether there were any."""
-        return self.grid.forget_passing(self._stamp - age)
+        return self.grid.forget_transient(self._stamp - age)
 
     def doubt_map(self) -> bool:
         """Forget what only the map shows, if sensors contradict much of it; return whether that was so."""

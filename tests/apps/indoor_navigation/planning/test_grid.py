@@ -142,9 +142,9 @@ def test_what_is_no_wall_is_forgotten_once_nobody_has_seen_it_for_long() -> None
         grid.see(reading((0.05, 3.05, True), stamp=stamp))
     grid.see(reading((3.05, 0.05, True), stamp=5.0))
     grid.see(reading((3.05, 0.05, True), stamp=5.1))
-    assert not grid.forget_passing(5.0)
+    assert not grid.forget_transient(5.0)
     assert occupied(grid, 3.05, 0.05)
-    assert grid.forget_passing(6.0)
+    assert grid.forget_transient(6.0)
     assert not occupied(grid, 3.05, 0.05)
     assert occupied(grid, 0.05, 3.05), "a wall stays"
 
