@@ -105,10 +105,8 @@ def _robot() -> Iterator[None]:
                 camera.put(CompressedImage(header=header(time.time_ns(), f"{ROBOT}/camera"), format="jpeg", data=data))
                 number += 1
 
-    with (
-        ZenohBus.open() as bus,
-        subprocess.Popen(command, stdout=subprocess.DEVNULL) as container,
-    ):  # its lines: for people
+    # What the container prints is for people.
+    with ZenohBus.open() as bus, subprocess.Popen(command, stdout=subprocess.DEVNULL) as container:
         showing = threading.Thread(target=show, args=(bus,))
         try:
             bus.serve(keys.DESCRIPTION.key(ROBOT), lambda arguments: {"model": "p3dx-sh", "elements": [row]})
