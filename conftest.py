@@ -5,7 +5,7 @@ from collections.abc import Iterator
 
 import pytest
 
-pytest_plugins = ["tests.interruptions", "tests.schedule", "tests.timeouts"]
+pytest_plugins = ["tests.forks", "tests.interruptions", "tests.schedule", "tests.timeouts"]
 
 
 @pytest.hookimpl(wrapper=True)

@@ -93,11 +93,11 @@ def _become(words: Sequence[str], descriptors: Sequence[int]) -> NoReturn:
         os.close(descriptor)
     module, *arguments = words
     sys.argv = [module, *arguments]
-    _show_command((sys.executable, "-m", *words))
+    show_command((sys.executable, "-m", *words))
     sys.exit(import_module(f"{module}.__main__").main(arguments))
 
 
-def _show_command(words: Sequence[str]) -> None:
+def show_command(words: Sequence[str]) -> None:
     """Overwrite this process's command line, which people and programs look for, as far as there is room."""
     fields = Path("/proc/self/stat").read_text(encoding="utf-8").rpartition(")")[2].split()
     begin, end = int(fields[45]), int(fields[46])  # proc(5): arg_start and arg_end, 48 and 49 of all
