@@ -55,6 +55,9 @@ class EmulatedSurroundings(Protocol):
     def place(self, name: str, pose: Pose2D) -> None:
         """Move a robot to another pose; its odometry does not change."""
 
+    def placed(self, name: str) -> int:
+        """How often a robot has been put somewhere else since it was added."""
+
     def object_places(self) -> Mapping[str, tuple[float, float, float, float]]:
         """Where the middle of each movable object is, m, m, m, and its heading, rad."""
 

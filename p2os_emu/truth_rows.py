@@ -24,6 +24,7 @@ def robot_row(emulator: Emulator, robot: EmulatedRobot) -> dict[str, Any]:
         "heading": truth.pose.heading,
         "linear": truth.linear,
         "angular": truth.angular,
+        "placed": emulator.world.placed(robot.name),
         "model": robot.model.name,
         "port": robot.line.link.port,
         "connected": robot.microcontroller.connected,

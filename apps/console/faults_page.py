@@ -72,7 +72,9 @@ class _FaultsPage:
                 with panel("Outcomes"):
                     OutcomeList(visit)
             with panel("Put a robot elsewhere"):
-                self._hint = ui.label("Click a robot, then a place; drag to set the heading.").classes("c-quiet")
+                self._hint = ui.label(
+                    "Drag a robot. Or click it, then a place; there, drag to set the heading."
+                ).classes("c-quiet")
                 self._map = MapCanvas(visit, mode="place")
                 self._map.on("choose", self._choose)
                 self._map.on("place", self._place)
@@ -193,7 +195,8 @@ class _FaultsPage:
         self._map.chosen = str(event.args.get("robot", ""))
 
     async def _place(self, event: GenericEventArguments) -> None:
-        told, robot = event.args, self._map.chosen
+        told = event.args
+        robot = str(told.get("robot", ""))
         place = self._console.map.places.of(robot)
         if place is None:
             self._console.say(self._visit, f"{robot} was not moved: its place on the map is not known")

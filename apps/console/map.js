@@ -39,7 +39,8 @@ export default {
   },
   computed: {
     label() {
-      const how = this.mode === "look" ? "" : "; click to set a place, drag to set a heading";
+      const drag = this.mode === "place" ? "; drag a robot, or click a place for the chosen one" : "";
+      const how = drag || (this.mode === "look" ? "" : "; click to set a place, drag to set a heading");
       return `Map of the team${this.chosen ? `, ${this.chosen} chosen` : ""}${how}`;
     },
   },
@@ -48,6 +49,7 @@ export default {
     this.view = null; // x and y of the middle, m, and px for a m
     this.pointers = new Map();
     this.aim = null;
+    this.held = null; // a robot that is dragged to another place: its name, and x, y and heading there
     this.moved = false; // by a person; otherwise the view fits the map
   },
   mounted() {
@@ -282,6 +284,10 @@ export default {
       this.drawPeople(pen, theme);
       for (const robot of this.world.robots) this.drawRobot(pen, theme, robot, colours.get(robot.name));
       if (this.aim) this.drawAim(pen, colours.get(this.chosen) || theme.ink);
+      if (this.held) {
+        const robot = this.world.robots.find((each) => each.name === this.held.robot);
+        if (robot) this.drawRobot(pen, theme, robot, colours.get(robot.name) || theme.ink, this.held);
+      }
       pen.setTransform(ratio, 0, 0, ratio, 0, 0);
       this.drawNames(pen, theme, width, height);
       this.drawScale(pen, theme, width, height);
@@ -595,8 +601,7 @@ export default {
       pen.lineTo(x + 2.4 * size * Math.cos(heading), y + 2.4 * size * Math.sin(heading));
       pen.stroke();
     },
-    drawRobot(pen, theme, robot, colour) {
-      const pose = this.poseOnMap(robot);
+    drawRobot(pen, theme, robot, colour, pose = this.poseOnMap(robot)) {
       if (!pose) return;
       const { front, rear, width } = robot;
       const half = width / 2;
@@ -720,12 +725,14 @@ export default {
       this.$el.focus({ preventScroll: true });
       this.$refs.canvas.setPointerCapture(event.pointerId);
       this.pointers.set(event.pointerId, { x: event.clientX, y: event.clientY, startX: event.clientX, startY: event.clientY });
-      this.aim = null;
-      if (this.mode !== "look" && this.chosen && this.pointers.size === 1 && !this.robotAt(event.clientX, event.clientY)) {
-        const [x, y] = this.toMetres(event.clientX, event.clientY);
-        this.aim = { x, y, heading: null };
-        this.redraw();
-      }
+      this.aim = this.held = null;
+      const [name, [x, y]] = [this.robotAt(event.clientX, event.clientY), this.toMetres(event.clientX, event.clientY)];
+      if (this.mode === "look" || this.pointers.size !== 1) return;
+      if (name && this.mode === "place") {
+        const pose = this.poseOnMap(this.world.robots.find((robot) => robot.name === name));
+        this.held = { robot: name, x: pose.x, y: pose.y, heading: pose.heading, byX: pose.x - x, byY: pose.y - y };
+      } else if (!name && this.chosen) this.aim = { x, y, heading: null };
+      this.redraw();
     },
     onMove(event) {
       const pointer = this.pointers.get(event.pointerId);
@@ -733,14 +740,16 @@ export default {
       const [before, others] = [{ ...pointer }, [...this.pointers.values()].filter((each) => each !== pointer)];
       Object.assign(pointer, { x: event.clientX, y: event.clientY });
       if (others.length) {
-        this.aim = null;
+        this.aim = this.held = null;
         const [other] = others;
         const apart = (a) => Math.hypot(a.x - other.x, a.y - other.y);
         this.zoom(apart(pointer) / Math.max(apart(before), 1), (pointer.x + other.x) / 2, (pointer.y + other.y) / 2);
       } else if (Math.hypot(pointer.x - pointer.startX, pointer.y - pointer.startY) >= CLICK_PX) {
         pointer.dragged = true;
-        if (this.aim) {
-          const [x, y] = this.toMetres(pointer.x, pointer.y);
+        const [x, y] = this.toMetres(pointer.x, pointer.y);
+        if (this.held) {
+          [this.held.x, this.held.y] = [x + this.held.byX, y + this.held.byY];
+        } else if (this.aim) {
           this.aim.heading = Math.atan2(y - this.aim.y, x - this.aim.x);
         } else this.pan(pointer.x - before.x, pointer.y - before.y);
       }
@@ -750,20 +759,26 @@ export default {
       const pointer = this.pointers.get(event.pointerId);
       this.pointers.delete(event.pointerId);
       if (!pointer) return;
-      if (this.aim) {
+      if (this.held && pointer.dragged) {
+        const { robot, x, y } = this.held;
+        this.$emit("choose", { robot });
+        this.$emit("place", { robot, x, y, heading: null });
+        this.held = null;
+      } else if (this.aim) {
         const [kind, aim] = [this.mode === "send" ? "goal" : this.mode, this.aim];
         const name = kind === "goal" && aim.heading === null && this.goalAt(event.clientX, event.clientY);
         if (name) this.$emit("named", { robot: this.chosen, name });
         else this.$emit(kind, { robot: this.chosen, ...aim });
         this.aim = null;
       } else if (!pointer.dragged && !this.pointers.size) {
+        this.held = null;
         this.$emit("choose", { robot: this.robotAt(event.clientX, event.clientY) });
       }
       this.redraw();
     },
     onCancel(event) {
       this.pointers.delete(event.pointerId);
-      this.aim = null;
+      this.aim = this.held = null;
       this.redraw();
     },
     onWheel(event) {

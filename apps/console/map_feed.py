@@ -275,7 +275,7 @@ class MapFeed:
         """Look at layout, frames and what lasers have seen."""
         robots = self._robots.robots
         if self._emulator is not None:
-            await self.places.ask(self._emulator, robots)
+            await self.places.ask(self._emulator, robots, time.monotonic())
         if self._people is not None and self._watching:
             await self._people.look(time.monotonic())
         self.locating.look()

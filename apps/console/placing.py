@@ -8,13 +8,14 @@ the first pose of a localization is off by some degrees, and so would be all tha
 """
 
 from collections.abc import Mapping
-from math import hypot
+from math import hypot, inf
 from pathlib import Path
 
 from apps.console.emulator import EmulatorControl, EmulatorRefused
 from apps.console.robots import WatchedRobot
 from geometry import Pose2D
 
+_AGAIN = 1.0  # s between two looks at whether a robot was put elsewhere
 _SAME_PLACE, _SAME_HEADING = 1.5, 0.3  # m and rad from the drawn map within which a map of its name is that map
 
 
@@ -31,7 +32,9 @@ class FramePlaces:
         self._map_file = map_file
         self.changes = 0
         self._by_file = {robot: Pose2D(*start) for robot, start in starts.items()}
-        self._by_emulator: dict[str, tuple[str, Pose2D]] = {}  # identity of the gateway for which it holds, and place
+        # By robot: identity of the gateway and number of the time that it was put elsewhere, for which the place holds.
+        self._by_emulator: dict[str, tuple[tuple[str, int], Pose2D]] = {}
+        self._again_at = -inf
         self._maps: dict[str, tuple[str, Pose2D]] = {}  # by robot: its map, and the place of that on this one
         self._in_map: dict[str, Pose2D] = {}  # frame odom in the frame of that map
 
@@ -96,20 +99,37 @@ class FramePlaces:
             "mean nothing. Start the console with --team to place them."
         )
 
-    async def ask(self, emulator: EmulatorControl, robots: Mapping[str, WatchedRobot]) -> None:
-        """Ask the emulator for the places of emulated robots that are not known yet, or whose gateway is another."""
-        for name, robot in robots.items():
-            identity = str(robot.description.get("identity", ""))
-            pose = robot.pose
+    async def ask(self, emulator: EmulatorControl, robots: Mapping[str, WatchedRobot], now: float) -> None:
+        """Ask the emulator for the places of emulated robots that are not known yet, or have changed.
+
+        They change with a gateway, whose odometry begins anew, and when somebody puts the robot somewhere else.
+
+        Args:
+            emulator: Whose robots they may be.
+            robots: All that are known.
+            now: s of a steady clock.
+        """
+        emulated = {name: robot for name, robot in robots.items() if robot.is_emulated and robot.is_connected}
+        identities = {name: str(robot.description.get("identity", "")) for name, robot in emulated.items()}
+        is_new = any(self._identity(name) != identity for name, identity in identities.items())
+        if not emulated or (now < self._again_at and not is_new):
+            return
+        self._again_at = now + _AGAIN
+        try:
+            rows = (await emulator.ask("truth"))["robots"]
+        except EmulatorRefused:  # it is being ended; the page Faults says so
+            return
+        for name, robot in emulated.items():
+            row, pose = rows.get(name), robot.pose
+            if row is None or pose is None:  # no robot of this emulator, or it has not said where it is
+                continue
             known = self._by_emulator.get(name)
-            if not robot.is_emulated or not robot.is_connected or pose is None:
-                continue
-            if known is not None and known[0] == identity:
-                continue
-            try:
-                truth = await emulator.ask("truth", robot=name)
-            except EmulatorRefused:  # no robot of this emulator
-                continue
-            there = Pose2D(truth["x"], truth["y"], truth["heading"])
-            self._by_emulator[name] = identity, there.compose(Pose2D().relative_to(Pose2D(*pose)))
-            self.changes += 1
+            state = identities[name], int(row.get("placed", 0))
+            if known is None or known[0] != state:
+                there = Pose2D(row["x"], row["y"], row["heading"])
+                self._by_emulator[name] = state, there.compose(Pose2D().relative_to(Pose2D(*pose)))
+                self.changes += 1
+
+    def _identity(self, robot: str) -> str | None:
+        known = self._by_emulator.get(robot)
+        return known[0][0] if known is not None else None

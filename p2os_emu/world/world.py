@@ -79,6 +79,7 @@ class World:
         self.objects = Objects(self._client, spec.objects)
         self._bystanders = Bystanders(self._client, spec, seed)
         self._touches: dict[str, TouchLog] = {}
+        self._placed: dict[str, int] = {}
         self._names = _names(walls, spec.walls, "a wall") | _names(furniture, spec.furniture, "furniture")
         self._names |= {body: movable.name for body, movable in self.objects.bodies.items()} | self._bystanders.names
         self._scene = PlanarScene((*spec.walls, *spec.furniture), lambda: self.moving)
@@ -169,6 +170,7 @@ class World:
         self._robots[name] = robot
         self._names[robot.body_id] = name
         self._touches[name] = TouchLog()
+        self._placed[name] = 0
         self._moving = None
         self._set_still(False)
         self._show(robot.body_id, robot_looks(name, chassis, robot.links, target_of(fit)))
@@ -184,7 +186,7 @@ class World:
         robot.lift()
         self.sight.remove(robot.body_id)
         self._client.removeBody(robot.body_id)
-        del self._robots[name], self._names[robot.body_id], self._touches[name]
+        del self._robots[name], self._names[robot.body_id], self._touches[name], self._placed[name]
         self._moving = None
         self._set_still(False)
 
@@ -236,6 +238,10 @@ class World:
         """
         return self._robot(name).held
 
+    def placed(self, name: str) -> int:
+        """How often a robot has been put somewhere else since it was added."""
+        return self._placed[name]
+
     def touches(self, name: str) -> Touches:
         """What a robot has bumped into, with its hull or an accessory.
 
@@ -274,6 +280,7 @@ class World:
         robot = self._robot(name)
         self._check_free(name, robot.chassis, pose)
         robot.move_to(pose)
+        self._placed[name] += 1
         self._moving = None
         self._set_still(False)
 

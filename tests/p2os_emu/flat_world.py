@@ -3,6 +3,7 @@
 It has the face of `p2os_emu.world.World` as far as the emulator needs it, and starts in no time.
 """
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from math import inf
 
@@ -71,11 +72,12 @@ class FlatBody:
 class FlatWorld:
     """An endless floor. Robots start side by side, 2 m apart, and pass through each other.
 
-    bodies: by robot name.
+    bodies, moves: by robot name.
     """
 
     def __init__(self) -> None:
         self.bodies: dict[str, FlatBody] = {}
+        self.moves: Counter[str] = Counter()
         self._steps = 0
 
     @property
@@ -131,3 +133,8 @@ class FlatWorld:
     def place(self, name: str, pose: Pose2D) -> None:
         """Put a robot elsewhere."""
         self.bodies[name].pose = pose
+        self.moves[name] += 1
+
+    def placed(self, name: str) -> int:
+        """How often that was done."""
+        return self.moves[name]

@@ -1,6 +1,7 @@
 """Robots come, stand, go; worlds repeat themselves bit by bit."""
 
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from math import hypot, inf, nan
 
 import pytest
@@ -134,6 +135,17 @@ def test_a_robot_may_be_placed_where_it_stands(model: Models, make_world: MakeWo
     world.add_robot("robot", model("p3dx"))
     world.place("robot", Pose2D(8.3, 6.1, 1.0))
     assert world.truth("robot").pose.heading == pytest.approx(1.0)
+
+
+def test_how_often_a_robot_was_put_elsewhere_is_counted(model: Models, make_world: MakeWorld) -> None:
+    world = make_world(load_world("office"))
+    world.add_robot("robot", model("p3dx"))
+    counts = [world.placed("robot")]
+    for place in (Pose2D(8.3, 6.1), Pose2D(8.3, 6.1, 1.0), Pose2D()):  # the last one is in a wall
+        with suppress(WorldError):
+            world.place("robot", place)
+        counts.append(world.placed("robot"))
+    assert counts == [0, 1, 2, 2]
 
 
 def test_names_are_unique(model: Models, make_world: MakeWorld) -> None:

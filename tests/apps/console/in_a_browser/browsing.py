@@ -117,3 +117,17 @@ def ask(tab: ConsoleTab, request: str, **fields: str) -> None:
     for name, text in fields.items():
         tab.page.get_by_label(name, exact=True).fill(text)
     tab.press("Ask")
+
+
+def click(tab: ConsoleTab, x: float, y: float) -> None:
+    """Click a place of the map, m."""
+    tab.page.mouse.click(*tab.page.evaluate("([x, y]) => document.querySelector('.c-map').toScreen(x, y)", [x, y]))
+
+
+def drag(tab: ConsoleTab, start: tuple[float, float], to: tuple[float, float]) -> None:
+    """Drag from one place of the map to another, m."""
+    place = "([x, y]) => document.querySelector('.c-map').toScreen(x, y)"
+    tab.page.mouse.move(*tab.page.evaluate(place, start))
+    tab.page.mouse.down()
+    tab.page.mouse.move(*tab.page.evaluate(place, to), steps=4)
+    tab.page.mouse.up()

@@ -2,26 +2,12 @@
 
 import pytest
 
-from tests.apps.console.in_a_browser.browsing import ConsoleTab, WatchedTeam, ask, choose
+from tests.apps.console.in_a_browser.browsing import ConsoleTab, WatchedTeam, ask, choose, click, drag
 from tests.apps.console.in_a_browser.odd_robot import MAP, NAME, X, odd_robot
 from tests.apps.web.browsing import needs_chromium
 from tests.waiting import wait_until
 
 pytestmark = needs_chromium
-
-
-def click(tab: ConsoleTab, x: float, y: float) -> None:
-    """Click a place of the map, m."""
-    tab.page.mouse.click(*tab.page.evaluate("([x, y]) => document.querySelector('.c-map').toScreen(x, y)", [x, y]))
-
-
-def drag(tab: ConsoleTab, start: tuple[float, float], to: tuple[float, float]) -> None:
-    """Drag from one place of the map to another, m."""
-    place = "([x, y]) => document.querySelector('.c-map').toScreen(x, y)"
-    tab.page.mouse.move(*tab.page.evaluate(place, start))
-    tab.page.mouse.down()
-    tab.page.mouse.move(*tab.page.evaluate(place, to), steps=4)
-    tab.page.mouse.up()
 
 
 def test_hostile_words_are_shown_as_text_and_such_a_robot_is_sent_by_a_click_and_queried(
