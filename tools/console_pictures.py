@@ -108,6 +108,23 @@ def _drive(page: Page) -> None:
             return
 
 
+def _detect(page: Page) -> None:
+    """Show edges beside the image, and train a colour channel by dragging over it."""
+    page.get_by_label("Operation or saved chain").click()
+    page.get_by_role("option", name="canny", exact=True).click()
+    page.get_by_text("canny: shown").first.wait_for()
+    page.get_by_role("checkbox", name="Colour blobs").click()
+    page.get_by_role("switch").click()
+    box = page.locator("canvas").first.bounding_box()
+    assert box is not None
+    page.mouse.move(box["x"] + 0.4 * box["width"], box["y"] + 0.8 * box["height"])
+    page.mouse.down()
+    page.mouse.move(box["x"] + 0.6 * box["width"], box["y"] + 0.95 * box["height"], steps=3)
+    page.mouse.up()
+    page.get_by_text("channel 1 trained").first.wait_for()
+    page.evaluate("window.scrollTo(0, 0)")
+
+
 def _inject(page: Page) -> None:
     """Inject a fault, and show what another one takes."""
     page.get_by_label("Fault").first.click()
@@ -179,6 +196,7 @@ def main(arguments: list[str]) -> None:
             take(browser, url, "/robot/doc", "dark", folder / "console-robot-dark.png", _drive)
             take(browser, url, "/?robot=doc", "dark", folder / "console-map-dark.png", _look)
             take(browser, url, "/robot/max", "light", folder / "console-robot.png", _look)
+            take(browser, url, "/vision/doc", "light", folder / "console-vision.png", _detect, TALL)
             take(browser, url, "/agents", "light", folder / "console-agents.png", _ask, TALL)
             take(browser, url, "/faults", "light", folder / "console-faults.png", _inject)
             take(browser, url, "/timeline", "dark", folder / "console-timeline.png", _look)

@@ -16,7 +16,8 @@ class ConsolePage:
     """One page.
 
     path: its address. title: for people. icon: of Material Icons. build: puts its content into the frame; called with
-    the program and the page that a browser has opened. is_offered: whether there is anything to show.
+    the program and the page that a browser has opened. is_offered: whether there is anything to show. is_of_robot:
+    whether its address may be followed by the name of a robot: `/robot/happy`.
     """
 
     path: str
@@ -24,6 +25,7 @@ class ConsolePage:
     icon: str
     build: Callable[[Console, Visit], None]
     is_offered: Callable[[Console], bool] = lambda console: True
+    is_of_robot: bool = False
 
 
 @contextmanager

@@ -4,14 +4,21 @@ A page is a module with a function `build(console, visit)`, which is called for 
 frame of `shell.py`. What it shows is refreshed by timers of its own (`ui.timer`), which end with the page.
 """
 
-from apps.console import agents_page, applications_page, faults_page, map_page, robot_page, timeline_page
+from apps.console import (
+    agents_page,
+    applications_page,
+    faults_page,
+    map_page,
+    robot_page,
+    timeline_page,
+    vision_page,
+)
 from apps.console.page import ConsolePage
 
-ROBOT_PAGE = ConsolePage("/robot", "Robot", "smart_toy", robot_page.build)
-"""Its address may be followed by the name of a robot: `/robot/happy`."""
 PAGES = (
     ConsolePage("/", "Map", "map", map_page.build),
-    ROBOT_PAGE,
+    ConsolePage("/robot", "Robot", "smart_toy", robot_page.build, is_of_robot=True),
+    ConsolePage("/vision", "Vision", "photo_camera", vision_page.build, vision_page.is_offered, is_of_robot=True),
     ConsolePage("/agents", "Agents", "hub", agents_page.build),
     ConsolePage("/faults", "Faults", "bolt", faults_page.build, lambda console: console.emulator is not None),
     ConsolePage("/timeline", "Timeline", "history", timeline_page.build),

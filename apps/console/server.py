@@ -12,7 +12,7 @@ from starlette.responses import PlainTextResponse
 from starlette.types import ASGIApp
 
 from apps.console.agent_panels.conversations import SNIFFER_PATH
-from apps.console.pages import PAGES, ROBOT_PAGE
+from apps.console.pages import PAGES
 from apps.console.program import Console, ConsoleInputs
 from apps.console.settings import ConsoleSettings
 from apps.console.shell import SESSION_PATH, STOP_PATH, begin_page
@@ -110,9 +110,7 @@ def _application(console: Console) -> FastAPI:
 
     for page in PAGES:
         ui.page(page.path)(partial(begin_page, console, page, PAGES))
-
-    @ui.page(f"{ROBOT_PAGE.path}/{{robot}}")
-    def page_of_robot(robot: str) -> None:
-        begin_page(console, ROBOT_PAGE, PAGES, robot)
+        if page.is_of_robot:
+            ui.page(f"{page.path}/{{robot}}")(partial(begin_page, console, page, PAGES))
 
     return app

@@ -1,9 +1,12 @@
 """The panel of a camera and its head: the viewer of remote vision, in the page of a robot."""
 
+from urllib.parse import quote
+
 from nicegui import ui
 
 from apps.console.page import panel
 from apps.console.program import Console
+from apps.console.vision_page import is_offered
 from apps.console.visits import Visit
 from apps.remote_vision.head_panel import HeadPanel
 from apps.remote_vision.viewing import ORIGINAL
@@ -23,6 +26,8 @@ class CameraPanel:
         with panel("Camera"):
             old = vision.settings.images.old_s
             image = ImageViewer(f"/images/{viewing.ticket}/{ORIGINAL}", visit.robot, old, _PROGRAM, "steer")
+            if is_offered(console):
+                ui.link("Operations, colours and results", f"/vision/{quote(visit.robot, safe='')}").classes("rv-hint")
         self._head = HeadPanel(vision, viewing, image) if visit.may_command and console.can_aim else None
 
     def refresh(self) -> None:

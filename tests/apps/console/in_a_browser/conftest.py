@@ -22,6 +22,7 @@ at_m = [2.0, 6.1]
 [[robots]]
 name = "max"
 model = "p3dx-sh"
+fit = ["camera:160x120@5"]
 at_m = [9.0, 6.1]
 """
 

@@ -41,7 +41,9 @@ def bring_into_use(tab: ConsoleTab, path: str) -> None:
         tab.page.get_by_label("speed", exact=True).wait_for()
 
 
-@pytest.mark.parametrize("path", ["/", "/robot/happy", "/agents", "/faults", "/timeline", "/applications"])
+@pytest.mark.parametrize(
+    "path", ["/", "/robot/happy", "/vision/max", "/agents", "/faults", "/timeline", "/applications"]
+)
 def test_a_page_fits_a_phone_and_can_be_read_in_both_themes(phone: ConsoleTab, path: str) -> None:
     phone.go(path)
     phone.page.locator(".c-chip", has_text="happy").wait_for()
