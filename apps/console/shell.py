@@ -2,9 +2,9 @@
 
 import asyncio
 import html
-import json
 from collections.abc import Sequence
 from functools import partial
+from math import isfinite
 from pathlib import Path
 
 from nicegui import Client, ui
@@ -16,7 +16,7 @@ from apps.console.program import Console
 from apps.console.replay_bar import ReplayBar
 from apps.console.visits import Visit
 from apps.web.access import COOKIE
-from apps.web.certificates import expiry_of, owner_of, why_look_only
+from apps.web.certificates import expiry_of, owner_of, why_expired, why_look_only
 from apps.web.viewer import STYLE
 from bus import keys
 
@@ -49,11 +49,24 @@ class StopButton(Element, component="stop_button.js"):
 
 
 class SessionGuard(Element, component="session_guard.js"):
-    """Loads the page again once its session is over, though its websocket was not there to hear of that."""
+    """Ends a page whose session or certificate is over, also while its browser cannot hear of that."""
 
-    def __init__(self) -> None:
+    def __init__(self, owner: str, expires: float) -> None:
+        """Watch.
+
+        Args:
+            owner: Of the certificate of the browser; empty without one.
+            expires: When that does, s since 1970.
+        """
         super().__init__()
         self._props["path"] = SESSION_PATH
+        if isfinite(expires):
+            self._props["expires"] = expires
+            self._props["expired"] = _ended_page(why_expired(owner, expires))
+
+    def end(self, why: str) -> None:
+        """Leave the page, and show why, in words."""
+        self.run_method("end", _ended_page(why))
 
 
 def begin_page(console: Console, page: ConsolePage, pages: Sequence[ConsolePage], robot: str = "") -> None:
@@ -73,7 +86,6 @@ def begin_page(console: Console, page: ConsolePage, pages: Sequence[ConsolePage]
     visit = console.visits.begin(client.ip or "?", session, why_look_only(scope), owner, expiry_of(scope))
     visit.robot = robot
     client.on_delete(lambda: console.visits.end(visit))
-    visit.on_end = partial(_end_page, client)
     ui.add_css(STYLE)
     ui.add_css(CONSOLE_STYLE)
     ui.page_title(f"{page.title} · Acromovi")
@@ -91,7 +103,7 @@ def begin_page(console: Console, page: ConsolePage, pages: Sequence[ConsolePage]
             if console.replay is None:
                 StopButton()
             if visit.session or visit.owner:
-                SessionGuard()
+                visit.on_end = partial(_end_page, client, SessionGuard(visit.owner, visit.expires))
     with ui.element("nav").classes("c-nav").props('aria-label="Pages"'):
         for each in pages:
             if each.is_offered(console):
@@ -173,19 +185,21 @@ def _theme_button(dark: ui.dark_mode) -> None:
             ui.menu_item(f"{name.capitalize()} theme", lambda name=name, value=value: choose(name, value))
 
 
-def _end_page(client: Client, why: str) -> None:
+def _ended_page(why: str) -> str:
+    """Return the HTML that is shown in the place of a page that has ended."""
+    return _ENDED.replace("WORDS", html.escape(f"{why[0].upper()}{why[1:]}."))
+
+
+def _end_page(client: Client, guard: SessionGuard, why: str) -> None:
     """Leave this page, and take no more orders from it.
 
     Args:
         client: The page.
+        guard: Its guard.
         why: What its browser shows then, in words; empty for the page for the password.
     """
     if why:
-        # It is made in the browser: with a certificate that has expired nothing more can be loaded from here.
-        page = json.dumps(_ENDED.replace("WORDS", html.escape(f"{why[0].upper()}{why[1:]}.")))
-        script = f"const page = {page}.replace('ORIGIN', location.origin); "
-        script += "location.replace(URL.createObjectURL(new Blob([page], { type: 'text/html' })))"
-        client.run_javascript(script)
+        guard.end(why)
     else:
         client.run_javascript("location.assign('/login')")
 

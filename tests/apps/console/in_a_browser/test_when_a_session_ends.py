@@ -77,3 +77,22 @@ def test_a_page_drives_no_longer_than_its_certificate_is_valid_or_its_session_la
         stops_and_tells_why(team, known, "max", "and a session lasts no longer")
         known.page.get_by_role("link", name="Open the console again").click()
         known.page.get_by_label("Password of the console").wait_for()
+
+
+def test_a_browser_that_is_away_when_its_certificate_expires_tells_that(
+    team: WatchedTeam, tab: ConsoleTab, browser: Browser, tmp_path: Path
+) -> None:
+    begun = time.monotonic()
+    tab.go("/timeline")
+    tab.page.locator(".c-chip").first.wait_for()
+    lasts = LEAST + TIMES * (time.monotonic() - begun)
+    tab.rest()
+    site = Site(tmp_path / "site")
+    site.make("router.lab")
+    words = "--certificate", str(site.folder / "router.lab")
+    with serving("console", "--port", "0", "--bus", team.running.profile, *words) as (console, address):
+        brief = site.make("operator.brief", datetime.now(UTC), timedelta(seconds=round(lasts)))
+        with tab_of(browser, address, brief, "/timeline") as away:
+            away.page.locator(".c-chip").first.wait_for()
+            console.kill()  # as far as a browser can tell, its network is gone
+            away.sees("The certificate of operator.brief has expired on")
