@@ -176,6 +176,8 @@ class McapFile:
                 self.write_chunk()
             except DiskFull as err:
                 full = err
+                self._chunk.clear()
+                self._times.clear()  # which are counted no more
             while True:
                 try:
                     self._append(self._end())

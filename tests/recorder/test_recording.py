@@ -158,18 +158,21 @@ def test_a_full_disk_ends_the_recording_and_others_still_read_it(
 
     monkeypatch.setattr("recorder.mcap_file.os.pwrite", limited)
     path = tmp_path / "full.mcap"
+    writers: list[RecordingWriter] = []
     with pytest.raises(DiskFull, match="No space left"):
-        _fill(path)
+        _fill(path, writers)
     monkeypatch.undo()
     assert path.stat().st_size <= room
     if room >= 8000:  # smaller ones have no room for a chunk and an index
         with Reader(path) as reader:
             count = reader.message_count
-        assert 0 < count == len(read(path)) < IN_ALL
+        assert 0 < count == writers[0].messages == len(read(path)) < IN_ALL
 
 
-def _fill(path: Path) -> None:
+def _fill(path: Path, writers: list[RecordingWriter]) -> None:
+    """Record until the disk is full; `writers` gets what records."""
     writer = RecordingWriter(path, "test")
+    writers.append(writer)
     try:
         for step in range(STEPS):
             now = START + step * NS_PER_S // 10
