@@ -3,7 +3,7 @@
 import math
 from typing import Any
 
-from acromovi.scenes.stage import Scene, SceneFailed, SceneStage
+from acromovi.scenes.stage import MOST_MOTIONS, Scene, SceneFailed, SceneStage
 from bus import keys
 
 BOX = "red box"
@@ -49,19 +49,26 @@ def _arm(stage: SceneStage) -> None:
     stage.see(keys.ARM, lambda arm: arm.homed and not any(arm.moving), "an arm at home", 30.0)
     refusal = stage.is_refused(keys.REACH, do="move", joints={"1": 9.0})
     stage.say(f"out of reach: {refusal}")
-    stage.tell(keys.REACH, do="move", joints={"1": 0.5, "2": 0.4})
-    _see_joints(stage, {"arm_joint_1": 0.5, "arm_joint_2": 0.4})
+    _move_joints(stage, {"1": 0.5, "2": 0.4})
     stage.tell(keys.REACH, do="park")
 
 
-def _see_joints(stage: SceneStage, wanted: dict[str, float]) -> None:
-    names = {f"{stage.robot}/{joint}": angle for joint, angle in wanted.items()}
+def _move_joints(stage: SceneStage, wanted: dict[str, float]) -> None:
+    """Move joints and see them arrive; again where a gateway that a busy machine froze has stopped them."""
+    names = {f"{stage.robot}/arm_joint_{joint}": angle for joint, angle in wanted.items()}
 
     def is_there(joints: Any) -> bool:
         angles = dict(zip(joints.name, joints.position, strict=True))
         return all(name in angles and abs(angles[name] - angle) < 0.05 for name, angle in names.items())
 
-    joints = stage.see(keys.JOINT_STATES, is_there, f"joints at {wanted}", 20.0)
+    for tries_left in reversed(range(MOST_MOTIONS)):
+        stage.tell(keys.REACH, do="move", joints=wanted)
+        try:
+            joints = stage.see(keys.JOINT_STATES, is_there, f"joints at {wanted}", 10.0)
+            break
+        except SceneFailed:
+            if not tries_left:
+                raise
     stage.say(", ".join(f"{name} {angle:+.3f}" for name, angle in zip(joints.name, joints.position, strict=True)))
 
 
