@@ -26,7 +26,10 @@ SUBREAPER = 36  # prctl(2): PR_SET_CHILD_SUBREAPER
 
 
 class Forks:
-    """Starts programs of this process. It is put in the place of `subprocess._fork_exec`, with the same arguments."""
+    """Starts programs of this process. It is put in the place of `subprocess._fork_exec`, with the same arguments.
+
+    server: number of the process that is copied; 0 before the first program has begun.
+    """
 
     def __init__(self, fork_exec: Any) -> None:
         """Take the function that starts all other programs."""
@@ -34,7 +37,7 @@ class Forks:
         self._lock = Lock()
         self._owner = os.getpid()
         self._link: socket.socket | None = None
-        self._server = 0
+        self.server = 0
 
     def __call__(self, *arguments: Any) -> int:
         """Start a program; return its number."""
@@ -48,19 +51,30 @@ class Forks:
         if len(message) > LARGEST or len(given) > MOST:
             return int(self.fork_exec(*arguments))
         with self._lock:
-            link = self._link = self._link or self._open()
-            _adopt(True)
-            try:
-                socket.send_fds(link, [message], list(given.values()))
-                return int(link.recv(LARGEST))
-            finally:
-                _adopt(False)
+            pid = self._start(message, list(given.values()))
+        return pid or int(self.fork_exec(*arguments))
 
     def close(self) -> None:
         """End the server; its copies go on."""
         if self._link is not None and os.getpid() == self._owner:
             self._link.close()
-            os.waitpid(self._server, 0)
+            self._link = None
+            os.waitpid(self.server, 0)
+
+    def _start(self, message: bytes, descriptors: list[int]) -> int:
+        """Return the number of a copy; 0 if the server has ended, of which another one takes the place next time."""
+        link = self._link = self._link or self._open()
+        _adopt(True)
+        try:
+            socket.send_fds(link, [message], descriptors)
+            reply = link.recv(LARGEST)
+        except OSError:
+            reply = b""
+        finally:
+            _adopt(False)
+        if not reply:
+            self.close()
+        return int(reply or 0)
 
     def _open(self) -> socket.socket:
         ours, its = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
@@ -68,7 +82,7 @@ class Forks:
             command = [sys.executable, "-m", "tests.fork_server", " " * ROOM]
             environment = {**os.environ, "OPENBLAS_NUM_THREADS": "1"}  # a process with threads cannot be copied
             taking = [(os.POSIX_SPAWN_DUP2, its.fileno(), 0)]
-            self._server = os.posix_spawn(sys.executable, command, environment, file_actions=taking)
+            self.server = os.posix_spawn(sys.executable, command, environment, file_actions=taking)
         return ours
 
 

@@ -19,21 +19,22 @@ EMULATOR = [sys.executable, "-m", "p2os_emu", "--robot", "p3dx", "--world", "emp
 
 
 @pytest.fixture(autouse=True)
-def _forks(request: pytest.FixtureRequest) -> None:
+def forks(request: pytest.FixtureRequest) -> Forks:
     if request.config.getoption("--no-forks"):
         pytest.skip("programs do not begin as copies with --no-forks")
-
-
-def test_a_copy_prints_and_ends_as_a_program_with_an_interpreter_of_its_own(tmp_path: Path) -> None:
     forks = subprocess._fork_exec  # type: ignore[attr-defined]  # it is subprocess's own
     assert isinstance(forks, Forks)
+    return forks
+
+
+def test_a_copy_prints_and_ends_as_a_program_with_an_interpreter_of_its_own(forks: Forks, tmp_path: Path) -> None:
     wrong = [sys.executable, "-m", "gateway", "--nonsense"]
     copies = [run(command, cwd=tmp_path) for command in (LISTING, wrong)]
-    subprocess._fork_exec = forks.fork_exec  # type: ignore[attr-defined]
+    subprocess._fork_exec = forks.fork_exec  # type: ignore[attr-defined]  # as above
     try:
         others = [run(command, cwd=tmp_path) for command in (LISTING, wrong)]
     finally:
-        subprocess._fork_exec = forks  # type: ignore[attr-defined]
+        subprocess._fork_exec = forks  # type: ignore[attr-defined]  # as above
     assert [(each.returncode, each.stdout, each.stderr) for each in copies] == [
         (each.returncode, each.stdout, each.stderr) for each in others
     ]
@@ -64,6 +65,15 @@ def test_a_copy_that_is_killed_is_seen_to_be_killed() -> None:
         process.kill()
         end_of(process)
     assert process.returncode == -signal.SIGKILL
+
+
+def test_programs_begin_without_the_server_when_it_has_died_and_with_another_one_afterwards(forks: Forks) -> None:
+    run(LISTING)
+    first = forks.server
+    os.kill(first, signal.SIGKILL)
+    assert run(LISTING).returncode == 0
+    assert run(LISTING).returncode == 0
+    assert forks.server != first
 
 
 def test_what_a_program_leaves_behind_is_not_adopted() -> None:

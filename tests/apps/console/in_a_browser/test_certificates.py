@@ -67,6 +67,11 @@ def test_an_operator_drives_and_a_viewer_only_looks(
         viewer.page.get_by_text("the role of your certificate permits looking only").first.wait_for()
         wait_until(viewer.page.get_by_role("button", name="Ask", exact=True).is_disabled, "Ask is disabled")
         assert viewer.page.get_by_role("button", name="Suspend").is_disabled()
+        viewer.go("/vision/max")
+        viewer.page.get_by_text("the role of your certificate permits looking only").first.wait_for()
+        viewer.page.wait_for_selector(".rv-viewer[aria-label=max]")
+        for command in ("Take control", "Save chain", "Save channels"):
+            assert not viewer.page.get_by_role("button", name=command).count()
 
 
 def test_a_browser_without_a_certificate_is_refused(browser: Browser, address: str) -> None:
