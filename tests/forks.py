@@ -143,7 +143,8 @@ def pytest_configure(config: pytest.Config) -> None:
     original = getattr(subprocess, "_fork_exec", None)
     if sys.platform == "linux" and original is not None and not config.getoption("--no-forks"):
         subprocess._fork_exec = Forks(original)  # type: ignore[attr-defined]  # it is subprocess's own
-        subprocess._USE_POSIX_SPAWN = False  # the other way to start a program, which Python 3.13 prefers
+        # The other way to start a program, which Python 3.13 prefers; its documentation says to switch it off so.
+        subprocess._USE_POSIX_SPAWN = False  # type: ignore[misc]  # the stubs have it final
 
 
 def pytest_unconfigure() -> None:
