@@ -1,5 +1,7 @@
 """The component that keeps the robot from touching anything, whatever the other components command."""
 
+from collections import deque
+from contextlib import suppress
 from dataclasses import astuple, dataclass, replace
 from math import copysign, inf
 
@@ -8,12 +10,16 @@ from apps.indoor_navigation.algorithms.outline import Outline
 from apps.indoor_navigation.algorithms.perception import Perception, PerceptionParameters
 from apps.indoor_navigation.algorithms.rays import in_robot
 from apps.indoor_navigation.algorithms.surroundings import MEMORY_TIME, Surroundings
+from apps.indoor_navigation.algorithms.teammates import Closing, Teammates
 from apps.indoor_navigation.algorithms.walkers import WalkerMemory
 from apps.indoor_navigation.component import Role, hears
 from apps.indoor_navigation.components.embodied import Embodied
 from apps.indoor_navigation.data import LaserRead, MotionCmd, RobotOdometry, SonarRead
+from bus import MessageError, Sample, keys
+from bus.messages import heading
 
 MIN_TURN_SPEED = 0.03  # rad/s above which the robot turns; below, gyro and odometry drift
+MOST_POSES = 100  # of robots that wait to be used; older ones are dropped
 TURN_MEMORY = 1.0  # s for which the side of a turn is remembered after the robot came to a stop
 
 
@@ -38,6 +44,9 @@ class ObstacleAvoiding(Embodied):
         self._surroundings = Surroundings()
         self._odometry: RobotOdometry | None = None
         self._walkers = WalkerMemory()
+        self._teammates = Teammates(self.robot)
+        self._shared: deque[tuple[Sample, float]] = deque(maxlen=MOST_POSES)  # poses of robots, and when they came
+        self.note_awake(f"*/{keys.POSE.suffix}", self._take_pose)
         self._turned, self._turned_at = 0.0, -inf
         await super().setup()
 
@@ -45,6 +54,7 @@ class ObstacleAvoiding(Embodied):
         """Forget the readings from before the sleep, and what may have gone since."""
         self._perception.forget()
         self._walkers.forget()
+        self._teammates.forget()
         if slept > MEMORY_TIME:
             self._surroundings.forget()
 
@@ -95,5 +105,27 @@ class ObstacleAvoiding(Embodied):
             approach=self._walkers.approach(pose[:2], self._avoidance.walker),
             turned=self._turned if self._odometry.stamp - self._turned_at < TURN_MEMORY else 0.0,
             has_laser=self._perception.laser is not None,
+            teammates=self._closing(),
         )
         self.push(MotionCmd(stamp, self.name.local, *astuple(push)))
+
+    def _take_pose(self, sample: Sample) -> None:
+        """Keep the pose that a robot shares; called on the bus's thread."""
+        self._shared.append((sample, self._now))
+
+    def _closing(self) -> Closing:
+        """Return the robots of the team that come nearer, after all poses that have come."""
+        while self._shared:
+            sample, at = self._shared.popleft()
+            robot, _ = keys.split(sample.key)
+            with suppress(
+                MessageError, AttributeError
+            ):  # no pose; a robot that shares none is seen by the sensors only
+                pose = sample.decoded().pose.pose
+                self._teammates.see(robot, (pose.position.x, pose.position.y, heading(pose.orientation)), at)
+        return self._teammates.closing(self._now)
+
+    @property
+    def _now(self) -> float:
+        assert self._loop is not None  # it is asked on the bus's thread too
+        return self._loop.time()
