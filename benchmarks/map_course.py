@@ -42,7 +42,7 @@ TRIES = 300
 PEOPLE = 3  # that walk about
 OBSTACLES, MOVED = 3, 2  # things that are not on the map, and pieces of furniture that are on it only
 LONGER = 1.1  # a closed door makes a way longer by this factor at least
-APART = 2.5  # m between the starts, and between the goals, of two robots
+APART, GOALS_APART = 2.5, 1.5  # m between the starts, and between the goals, of two robots
 
 
 class MapCondition(StrEnum):
@@ -267,7 +267,7 @@ class MapFloor(Closeable):
         """
         for place in self._places(self._space):
             goal = round(place[0], 3), round(place[1], 3)
-            if any(math.dist(goal, other) < APART for other in taken):
+            if any(math.dist(goal, other) < GOALS_APART for other in taken):
                 continue
             way = self._way(robot.pose, goal)
             if way is not None and way >= LEAST:

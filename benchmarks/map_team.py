@@ -23,6 +23,7 @@ FIRST_SEED = 950  # the navigation was tried on seeds below 100
 FAMILIES = ("plan", "hall")
 TEAM = ("happy", "grumpy", "doc", "sleepy", "bashful", "sneezy", "dopey")
 GOALS = 70  # in one building
+RETRY = 2.0  # s until a robot that found no free goal looks for one again
 LIMIT, PER_METRE = 180.0, 10.0  # s: time for a goal, and more for each m of the shortest way
 
 
@@ -50,14 +51,17 @@ class TeamRun:
         self.scores: list[GoalScore] = []
         self._floor = floor
         self._errands: dict[str, Errand] = {}
+        self._begins: dict[str, float] = {}  # when a robot looks for a goal again, s
         self._begun = 0
+        self._ended_at = floor.lockstep.time  # the last mission, s
 
     def play(self) -> None:
         """Play all goals."""
         goals = self._floor.job.goals
         while len(self.scores) < goals:
             for robot in self._floor.robots:
-                if robot.name not in self._errands and self._begun < goals:
+                is_free = robot.name not in self._errands and self._begun < goals
+                if is_free and self._floor.lockstep.time >= self._begins.get(robot.name, 0.0):
                     self._begin(robot)
             self._floor.run(LOOK * STEP)
             for errand in list(self._errands.values()):
@@ -71,8 +75,15 @@ class TeamRun:
 
     def _begin(self, robot: NavigatedRobot) -> None:
         taken = [errand.goal for errand in self._errands.values()]
-        taken += [(other.pose.x, other.pose.y) for other in self._floor.robots if other.name not in self._errands]
-        goal, way = self._floor.goal(robot, taken)
+        standing = (other for other in self._floor.robots if other is not robot and other.name not in self._errands)
+        taken += [(other.pose.x, other.pose.y) for other in standing]
+        try:
+            goal, way = self._floor.goal(robot, taken)
+        except ValueError:  # other robots are everywhere; try again when they have moved
+            if not self._errands and self._floor.lockstep.time > self._ended_at + LIMIT:
+                raise
+            self._begins[robot.name] = self._floor.lockstep.time + RETRY
+            return
         errand = self._errands[robot.name] = Errand(robot, self._begun, robot.pose, goal, way)
         self._begun += 1
         robot.tell(goal, mission=errand.mission, on_map=True)
@@ -84,6 +95,7 @@ class TeamRun:
         if state is None and robot.seconds < LIMIT + PER_METRE * errand.way:
             return
         del self._errands[robot.name]
+        self._ended_at = self._floor.lockstep.time
         played, end = robot.played(state or "late", robot.seconds), robot.pose
         off = math.dist((end.x, end.y), errand.goal)
         self.scores.append(

@@ -42,13 +42,19 @@ class PlayedFloor:
         self.job = FloorJob("plan:1", 1, MapCondition.TEAM, goals)
         self.robots = robots
         self.taken: list[list[Point]] = []
-        self.lockstep = SimpleNamespace(world=SimpleNamespace(touches=lambda name: SimpleNamespace(count=touches)))
+        self.full_until = 0.0
+        self.lockstep = SimpleNamespace(
+            time=0.0, world=SimpleNamespace(touches=lambda name: SimpleNamespace(count=touches))
+        )
 
     def run(self, seconds: float) -> None:
+        self.lockstep.time += seconds
         for robot in self.robots:
             robot.seconds += seconds
 
     def goal(self, robot: PlayedRobot, taken: Sequence[Point]) -> tuple[Point, float]:
+        if self.full_until > self.lockstep.time:
+            raise ValueError("no goal")
         self.taken.append(list(taken))
         return (3.0 * len(self.taken), 0.0), WAY
 
@@ -71,9 +77,23 @@ def test_a_robot_that_is_there_takes_the_next_goal_of_the_list_at_once(capsys: p
 def test_goals_and_standing_places_of_other_robots_are_taken() -> None:
     floor = PlayedFloor(3, [PlayedRobot("quick", 10.0), PlayedRobot("slow", 25.0)])
     played(floor)
-    assert floor.taken[0] == [(0.0, 0.0), (0.0, 0.0)]  # nobody is under way yet
-    assert floor.taken[1] == [(3.0, 0.0), (0.0, 0.0)]
+    assert floor.taken[0] == [(0.0, 0.0)]  # nobody is under way yet
+    assert floor.taken[1] == [(3.0, 0.0)]
     assert (6.0, 0.0) in floor.taken[2]
+
+
+def test_robots_wait_for_a_goal_while_there_is_no_free_one() -> None:
+    floor = PlayedFloor(2, [PlayedRobot("quick", 10.0)])
+    floor.full_until = 5.0
+    assert [score.is_reached for score in played(floor).scores] == [True, True]
+    assert floor.lockstep.time == pytest.approx(26.0, abs=0.5)
+
+
+def test_a_floor_without_free_goals_is_an_error() -> None:
+    floor = PlayedFloor(2, [PlayedRobot("quick", 10.0)])
+    floor.full_until = 1e9
+    with pytest.raises(ValueError, match="no goal"):
+        played(floor)
 
 
 def test_a_robot_that_never_arrives_is_late_and_counts_as_missed() -> None:
