@@ -38,6 +38,7 @@ GROUPS = {
     "doors": "doors found in generated laser scans, and the time that one scan takes",
     "missions": "three hundred missions of the indoor navigation in lockstep; writes missions.md and pictures",
     "map_navigation": "missions on a map: static, changed, with people and a second robot; writes table and picture",
+    "map_team": "seven robots with goals in one building, in lockstep; writes map-team.json and a picture",
     "mapping": "maps of laser scans against the truth, in lockstep; writes mapping.md and pictures",
     "surveillance": "patrols of generated floors in virtual time; writes surveillance.md and pictures",
     "formation": "formations of three to five robots in lockstep; writes formation.md and pictures",
@@ -77,6 +78,12 @@ def main(argv: Sequence[str] | None = None) -> int:
     parser.add_argument("--soak-pace", type=float, default=33.0, help="its sessions per minute (default: 33)")
     parser.add_argument(
         "--console-minutes", type=float, default=60.0, help="length of the run of console_hour (default: 60)"
+    )
+    parser.add_argument(
+        "--first-seed", type=int, metavar="SEED", help="other floors for map_navigation and map_team, from this seed on"
+    )
+    parser.add_argument(
+        "--team-goals", type=int, default=70, help="goals of seven robots in each building of map_team (default: 70)"
     )
     parser.add_argument(
         "--goals", type=int, default=10, help="goals of each condition of map_navigation (default: 10; all: 200)"

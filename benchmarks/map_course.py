@@ -42,19 +42,20 @@ TRIES = 300
 PEOPLE = 3  # that walk about
 OBSTACLES, MOVED = 3, 2  # things that are not on the map, and pieces of furniture that are on it only
 LONGER = 1.1  # a closed door makes a way longer by this factor at least
-APART = 2.5  # m between the starts of two robots
+APART, GOALS_APART = 2.5, 1.5  # m between the starts, and between the goals, of two robots
 
 
 class MapCondition(StrEnum):
     """What is not as on the map.
 
     CHANGED: obstacles were added, furniture was taken away, and doors are closed. BUSY: people walk about, and a second
-    robot drives to goals of its own.
+    robot drives to goals of its own. TEAM: as on the map, with a team of robots that all have goals.
     """
 
     STATIC = "static"
     CHANGED = "changed"
     BUSY = "busy"
+    TEAM = "team"
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,6 +74,7 @@ class GoalScore:
 
     job: FloorJob
     number: int
+    robot: str
     start: Pose2D
     goal: Point
     why: str
@@ -102,8 +104,13 @@ class _LocalizationInStep(LocalizationAgent):
 class MapFloor(Closeable):
     """A floor with one or two robots that know its map, and all that chance decides."""
 
-    def __init__(self, job: FloorJob) -> None:
-        """Put the robots onto the floor, and localize them."""
+    def __init__(self, job: FloorJob, names: Sequence[str] = ()) -> None:
+        """Put the robots onto the floor, and localize them.
+
+        Args:
+            job: What to play.
+            names: Of the robots; by default one, or two in the condition BUSY.
+        """
         self.job = job
         self._chance = Random(f"map navigation {job.world} {job.seed} {job.condition}")
         self._folder = TemporaryDirectory(prefix="map-navigation-")
@@ -113,7 +120,7 @@ class MapFloor(Closeable):
         self._half_width = model.width / 2.0
         self._sweep = math.hypot(max(model.length_front, model.length_rear), self._half_width) + TURNING
         map_file = write_building_map(map_of_world(self.world), Path(self._folder.name) / "floor.map")[0]
-        names = (FIRST, SECOND) if job.condition is MapCondition.BUSY else (FIRST,)
+        names = names or ((FIRST, SECOND) if job.condition is MapCondition.BUSY else (FIRST,))
         poses = self._starts(names)
         if job.condition is MapCondition.CHANGED:
             self.world = self._changed(self.world)
@@ -146,7 +153,7 @@ class MapFloor(Closeable):
     def play(self, number: int) -> GoalScore:
         """Send the first robot to a goal; the second one goes on to its own."""
         robot = self.robots[0]
-        start, (goal, way) = robot.pose, self._goal(robot)
+        start, (goal, way) = robot.pose, self.goal(robot)
         shut: tuple[str, ...] = ()
         if self.job.condition is MapCondition.CHANGED:
             shut, way = self._shut_door(start, goal, way)
@@ -165,9 +172,10 @@ class MapFloor(Closeable):
         return GoalScore(
             self.job,
             number,
+            robot.name,
             start,
             goal,
-            _why(played, off, turned),
+            why_missed(played, off, turned),
             seconds,
             played.track.length,
             way,
@@ -251,10 +259,16 @@ class MapFloor(Closeable):
                 return way.length
         return None
 
-    def _goal(self, robot: NavigatedRobot) -> tuple[Point, float]:
-        """A goal with a way of some length, and that length."""
+    def goal(self, robot: NavigatedRobot, taken: Sequence[Point] = ()) -> tuple[Point, float]:
+        """Return a goal with a way of some length, and that length; goals of other robots are taken.
+
+        Raises:
+            ValueError: There is none.
+        """
         for place in self._places(self._space):
             goal = round(place[0], 3), round(place[1], 3)
+            if any(math.dist(goal, other) < GOALS_APART for other in taken):
+                continue
             way = self._way(robot.pose, goal)
             if way is not None and way >= LEAST:
                 return goal, way
@@ -264,7 +278,7 @@ class MapFloor(Closeable):
         for robot in self.robots[1:]:
             if not self._number or robot.ended(f"second-{self._number}") is not None:
                 self._number += 1
-                robot.tell(self._goal(robot)[0], mission=f"second-{self._number}", on_map=True)
+                robot.tell(self.goal(robot)[0], mission=f"second-{self._number}", on_map=True)
 
 
 def play_floor(job: FloorJob) -> list[GoalScore]:
@@ -273,7 +287,7 @@ def play_floor(job: FloorJob) -> list[GoalScore]:
         return [floor.play(number) for number in range(job.goals)]
 
 
-def _why(played: Played, off: float, turned: float) -> str:
+def why_missed(played: Played, off: float, turned: float) -> str:
     """Why a goal was not reached; empty where it was."""
     if played.state != "done":
         return f"it ended as {played.state}" + (f": {played.told[-1]}" if played.told else "")

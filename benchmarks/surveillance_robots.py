@@ -61,7 +61,11 @@ class PlayedIntruder:
 
 @dataclass(slots=True)
 class PlayedRobot:
-    """The truth of one robot. way: corners that are still ahead. path: where it was, each second. barred: places, m."""
+    """The truth of one robot.
+
+    way: corners that are still ahead. path: where it was, each second. barred: places, m. stalls: how often its wheels
+    are still going to be blocked. backed: m that it was told to drive back.
+    """
 
     name: str
     pose: Pose2D
@@ -72,6 +76,8 @@ class PlayedRobot:
     is_lost: bool = False
     is_dead: bool = False
     barred: list[Point] = field(default_factory=list)
+    stalls: int = 0
+    backed: float = 0.0
     error: list[float] = field(default_factory=lambda: [0.0, 0.0, 0.0])
     path: list[Pose2D] = field(default_factory=list)
 
@@ -110,12 +116,25 @@ class PlayedBase(Agent):
     @request("go_to")
     async def go_to(self, x: float, y: float, speed: float) -> dict[str, Any]:
         """Drive straight to a place in odom, m; a cancelled request stops the robot."""
+        if self._robot.stalls > 0:
+            self._robot.stalls -= 1
+            await asyncio.sleep(STEP)  # it has agreed, and fails
+            raise Refused("blocked: the left wheel is stalled")
         self._robot.way = [ORIGIN.transform(x, y)]
         try:
             while self._robot.way:
                 await asyncio.sleep(STEP)
         finally:
             self._robot.way = []
+        return {}
+
+    @request("move")
+    async def move(self, distance: float, speed: float) -> dict[str, Any]:
+        """Drive a distance, m, backward if negative."""
+        pose = self._robot.pose
+        x, y = pose.transform(distance, 0.0)
+        self._robot.pose, self._robot.backed = Pose2D(x, y, pose.heading), self._robot.backed - distance
+        await asyncio.sleep(abs(distance) / speed)
         return {}
 
 

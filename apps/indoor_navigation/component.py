@@ -28,7 +28,7 @@ from agents.platform.stream import Stream
 from apps.indoor_navigation.data import Data
 from apps.indoor_navigation.parameters import build_parameters
 from apps.indoor_navigation.wakefulness import Inputs, Wakefulness
-from bus import JSON, MessageError, Publisher, Refused
+from bus import JSON, MessageError, Publisher, Refused, Sample
 
 D = TypeVar("D", bound=Data)
 C = TypeVar("C", bound="Component")
@@ -171,6 +171,10 @@ class Component(Agent):
         stream = Stream(key, hear, keep, malformed)
         self._inputs.add(key, stream.take)
         self.add(stream, Restart())
+
+    def note_awake(self, key: str, take: Callable[[Sample], None]) -> None:
+        """Call a plain function with each sample on a key while this component is awake; on the bus's thread."""
+        self._inputs.add(key, take)
 
     def every(self, period: float, action: Action, policy: Policy | None = None) -> Running:
         """Do an action every `period` seconds while this component is awake, and at once when it wakes up."""

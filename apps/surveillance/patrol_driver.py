@@ -3,7 +3,7 @@
 import asyncio
 from collections.abc import Callable, Mapping
 from contextlib import suppress
-from math import dist
+from math import dist, pi
 from typing import Any
 
 from agents.platform import Agent, AgentError, AgentName, Ending, Outcome
@@ -21,6 +21,8 @@ _REPLY = 5.0  # s for an agent to answer
 _LONGEST = 600.0  # s that a robot may be on its way to one place
 _ARRIVING = 3.0  # s in which a goal reaches path planning
 _LATER = 4.0  # times that a robot waits longer than one that makes way
+_BLOCKED = "blocked"  # the beginning of the base's error when its wheels are stalled or it makes no headway
+_BACK_OFF, _BACK_SPEED = 0.2, 0.1  # m and m/s of a robot that has run into something that its sensors do not show
 _RETRIES = 3  # times that an agent may not answer in a row
 
 Goal = Callable[[], Point | None]
@@ -58,7 +60,7 @@ class PatrolDriver:
             directory: Which agents there are.
             senses: Readings of the robot.
             floor: Of the map.
-            geometry: Of the base: `length_front` and `width`, m.
+            geometry: Of the base: `length_front`, `length_rear` and `width`, m.
             settings: Of the application.
         """
         self._agent, self._directory, self._senses, self._floor = agent, directory, senses, floor
@@ -66,6 +68,7 @@ class PatrolDriver:
         robot = agent.name.platform
         self._interface, self._base = AgentName(INTERFACE, robot), AgentName(BASE, robot)
         self._front, self._width = float(geometry["length_front"]), float(geometry["width"])
+        self._rear = float(geometry["length_rear"])
         self._mission = ""
         self._robot = robot
 
@@ -169,6 +172,8 @@ class PatrolDriver:
                 raise PlaceNotReached("the map has no way there")
             corner = next((each for each in way[1:] if dist(each, (pose.x, pose.y)) > 0.15), way[-1])
             why = self._barred(pose, corner) or await self._straight(corner, place, goal)
+            if why.startswith(_BLOCKED):
+                await self._back_off()
             if why:
                 blocked_since = loop.time() if blocked_since is None else blocked_since
                 other = self._senses.near_robot
@@ -201,6 +206,13 @@ class PatrolDriver:
         finally:
             if not ending.done():
                 await going.cancel()
+
+    async def _back_off(self) -> None:
+        """Drive back from what the robot has run into, or it could not turn there; stay if something is behind it."""
+        if self._senses.in_the_way(pi, self._rear + _BACK_OFF, self._width):
+            return
+        back = {"distance": -_BACK_OFF, "speed": _BACK_SPEED}
+        _judged(await self._agent.request(self._base, "move", reply_within=_REPLY, **back))
 
     def _barred(self, pose: Pose2D, corner: Point) -> str:
         """Return why the robot must not drive straight to a corner now; empty if it may."""

@@ -7,6 +7,7 @@ import numpy as np
 
 from apps.indoor_navigation.algorithms.braking import safe_speed
 from apps.indoor_navigation.algorithms.outline import Outline
+from apps.indoor_navigation.algorithms.teammates import NOBODY, Closing
 from apps.indoor_navigation.data import Bools, Floats
 
 # Distances ahead that are checked, m: dense near the robot.
@@ -26,6 +27,7 @@ CREEP_DISTANCE = 0.1  # m that must be free to creep, and that are added to the 
 REAR_MARGIN = 0.06  # m that must be free around the rear to creep back, because few sensors look there
 FULL_PUSH_SPEED = 0.3  # m/s from which on the push has its full strength
 WALKER_REAR = -0.3  # m; walkers farther behind the axle do not slow the robot
+TEAMMATE_REACH = 0.35  # m from the middle of another robot to its corners
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,6 +97,7 @@ def avoid(
     approach: float | None = None,
     turned: float = 0.0,
     has_laser: bool = True,
+    teammates: Closing = NOBODY,
 ) -> Push:
     """Return the command that keeps the robot clear of obstacles.
 
@@ -108,6 +111,7 @@ def avoid(
         approach: Speed at which walkers approach, m/s; the maximum by default.
         turned: The side of the last turn, 1 or -1; 0 without a recent turn.
         has_laser: Whether the laser works; sonar alone misses surfaces that deflect sound, so the speed is limited.
+        teammates: Robots of the team that come nearer.
     """
     places = outline.outside(places)
     apart = outline.distance(*places)
@@ -118,8 +122,13 @@ def avoid(
         inf if has_laser else parameters.blind,
         safe_speed(on, parameters.deceleration, parameters.reaction),
         safe_speed(_walkers_way(outline, walkers), parameters.deceleration, parameters.reaction, coming),
+        _teammates_limit(parameters, outline, teammates, teammates[0] > WALKER_REAR),
     )
-    limit_back = min(parameters.blind, safe_speed(back, parameters.deceleration, parameters.reaction))
+    limit_back = min(
+        parameters.blind,
+        safe_speed(back, parameters.deceleration, parameters.reaction),
+        _teammates_limit(parameters, outline, teammates, teammates[0] < 0.0),
+    )
     rolls = linear * parameters.reaction + linear * abs(linear) / (2.0 * parameters.deceleration)
     near = _within_sweep(parameters, outline, places, rolls)
     turns = _turns(parameters, outline, near, linear, rolls)
@@ -164,6 +173,17 @@ def _walkers_way(outline: Outline, walkers: tuple[Floats, Floats]) -> float:
     if not is_ahead.any():
         return inf
     return float(outline.distance(x[is_ahead], y[is_ahead]).min()) - BODY_REACH
+
+
+def _teammates_limit(parameters: AvoidanceParameters, outline: Outline, teammates: Closing, are_ahead: Bools) -> float:
+    """Return the speed from which the robot stops before other robots that do not brake, m/s."""
+    x, y, speeds = (each[are_ahead] for each in teammates)
+    ways = outline.distance(x, y) - TEAMMATE_REACH - parameters.margin
+    limits = (
+        safe_speed(way, parameters.deceleration, parameters.reaction, speed)
+        for way, speed in zip(ways.tolist(), speeds.tolist(), strict=True)
+    )
+    return min(limits, default=inf)
 
 
 def _turns(

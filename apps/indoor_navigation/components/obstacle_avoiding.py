@@ -1,19 +1,27 @@
 """The component that keeps the robot from touching anything, whatever the other components command."""
 
+from collections import deque
+from contextlib import suppress
 from dataclasses import astuple, dataclass, replace
 from math import copysign, inf
+
+import numpy as np
 
 from apps.indoor_navigation.algorithms.avoidance import AvoidanceParameters, avoid
 from apps.indoor_navigation.algorithms.outline import Outline
 from apps.indoor_navigation.algorithms.perception import Perception, PerceptionParameters
 from apps.indoor_navigation.algorithms.rays import in_robot
 from apps.indoor_navigation.algorithms.surroundings import MEMORY_TIME, Surroundings
+from apps.indoor_navigation.algorithms.teammates import Closing, Teammates
 from apps.indoor_navigation.algorithms.walkers import WalkerMemory
-from apps.indoor_navigation.component import Role, hears
+from apps.indoor_navigation.component import Role, hears, is_told
 from apps.indoor_navigation.components.embodied import Embodied
-from apps.indoor_navigation.data import LaserRead, MotionCmd, RobotOdometry, SonarRead
+from apps.indoor_navigation.data import Floats, LaserRead, MotionCmd, Pose, RobotOdometry, SonarRead, WorldCoord
+from bus import MessageError, Sample, keys
+from bus.messages import heading
 
 MIN_TURN_SPEED = 0.03  # rad/s above which the robot turns; below, gyro and odometry drift
+MOST_POSES = 100  # of robots that wait to be used; older ones are dropped
 TURN_MEMORY = 1.0  # s for which the side of a turn is remembered after the robot came to a stop
 
 
@@ -38,13 +46,18 @@ class ObstacleAvoiding(Embodied):
         self._surroundings = Surroundings()
         self._odometry: RobotOdometry | None = None
         self._walkers = WalkerMemory()
+        self._teammates = Teammates(self.robot)
+        self._shared: deque[tuple[Sample, float]] = deque(maxlen=MOST_POSES)  # poses of robots, and when they came
+        self.note_awake(f"*/{keys.POSE.suffix}", self._take_pose)
         self._turned, self._turned_at = 0.0, -inf
+        self._order, self._barred = -1, np.empty((0, 2))  # of the last order, and its forbidden places in odom
         await super().setup()
 
     def woken(self, slept: float) -> None:
         """Forget the readings from before the sleep, and what may have gone since."""
         self._perception.forget()
         self._walkers.forget()
+        self._teammates.forget()
         if slept > MEMORY_TIME:
             self._surroundings.forget()
 
@@ -60,9 +73,19 @@ class ObstacleAvoiding(Embodied):
             self._perception.forget()
             self._surroundings.forget()
             self._walkers.forget()
+            self._barred = np.empty((0, 2))
         self._odometry = odometry
         if abs(odometry.angular) > MIN_TURN_SPEED:
             self._turned, self._turned_at = copysign(1.0, odometry.angular), odometry.stamp
+
+    @is_told(WorldCoord)
+    async def take_forbidden(self, target: WorldCoord) -> None:
+        """Take the forbidden places near the robot; ignore those of an order that is older than the last one.
+
+        Targets do not wake this component: it is awake while the fuser is.
+        """
+        if target.order >= self._order:
+            self._order, self._barred = target.order, np.array(target.barred).reshape(-1, 2)
 
     @hears(SonarRead)
     async def listen_around(self, sonar: SonarRead) -> None:
@@ -88,12 +111,42 @@ class ObstacleAvoiding(Embodied):
         push = avoid(
             self._avoidance,
             self.outline,
-            self._surroundings.places(pose),
+            self._places(pose),
             in_robot(pose, *self._walkers.places(stamp)),
             self._odometry.linear,
             self._odometry.angular,
             approach=self._walkers.approach(pose[:2], self._avoidance.walker),
             turned=self._turned if self._odometry.stamp - self._turned_at < TURN_MEMORY else 0.0,
             has_laser=self._perception.laser is not None,
+            teammates=self._closing(),
         )
         self.push(MotionCmd(stamp, self.name.local, *astuple(push)))
+
+    def _places(self, pose: Pose) -> tuple[Floats, Floats]:
+        """Return obstacles and forbidden places in the frame of a robot at a pose in odom."""
+        x, y = self._surroundings.places(pose)
+        if not len(self._barred):
+            return x, y
+        barred_x, barred_y = in_robot(pose, *self._barred.T)
+        return np.concatenate((x, barred_x)), np.concatenate((y, barred_y))
+
+    def _take_pose(self, sample: Sample) -> None:
+        """Keep the pose that a robot shares; called on the bus's thread."""
+        self._shared.append((sample, self._now))
+
+    def _closing(self) -> Closing:
+        """Return the robots of the team that come nearer, after all poses that have come."""
+        while self._shared:
+            sample, at = self._shared.popleft()
+            robot, _ = keys.split(sample.key)
+            with suppress(
+                MessageError, AttributeError
+            ):  # no pose; a robot that shares none is seen by the sensors only
+                pose = sample.decoded().pose.pose
+                self._teammates.see(robot, (pose.position.x, pose.position.y, heading(pose.orientation)), at)
+        return self._teammates.closing(self._now)
+
+    @property
+    def _now(self) -> float:
+        assert self._loop is not None  # it is asked on the bus's thread too
+        return self._loop.time()

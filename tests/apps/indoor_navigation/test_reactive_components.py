@@ -114,6 +114,38 @@ def test_goto_does_not_drive_onto_a_line_that_no_sensor_shows(site: Site) -> Non
         assert (wanted[-1].linear > 0.1) == (away > 1.0)
 
 
+def test_avoiding_does_not_let_the_robot_onto_a_line_that_no_sensor_shows(site: Site) -> None:
+    avoiding(site)
+    pushed = site.pushed("obstacle_avoiding", MotionCmd)
+    line = np.stack((np.full(61, 0.27), np.linspace(-1.5, 1.5, 61)), axis=1)
+    # An older order changes nothing; a newer one without forbidden places frees the way.
+    for number, barred, is_free in ((2, line, False), (1, line[:0], False), (3, line[:0], True)):
+        target = WorldCoord(site.time, number, "go", 3.0, 0.0, 0.0, 0.5, barred=tuple(barred.ravel().tolist()))
+        site.bus.send(send_key(ROBOT, "obstacle_avoiding", WorldCoord), target.to_json())
+        stand(site)
+        see(site, 5.0)
+        limit = pushed[-1].limit
+        assert (limit is None or limit > 0.3) == is_free, number
+
+
+def test_avoiding_forgets_forbidden_places_when_odom_is_set_anew(site: Site) -> None:
+    avoiding(site)
+    pushed = site.pushed("obstacle_avoiding", MotionCmd)
+    stand(site)
+    line = np.stack((np.full(61, 0.27), np.linspace(-1.5, 1.5, 61)), axis=1)
+    target = WorldCoord(site.time, 1, "go", 3.0, 0.0, 0.0, 0.5, barred=tuple(line.ravel().tolist()))
+    site.bus.send(send_key(ROBOT, "obstacle_avoiding", WorldCoord), target.to_json())
+    limits = []
+    for jumps in (0, 1):
+        stand(site, jumps=jumps)
+        see(site, 5.0)
+        limits.append(pushed[-1].limit)
+    before, after = limits
+    assert before is not None
+    assert before < 0.1
+    assert after is None or after > 0.3
+
+
 def test_goto_does_not_obey_an_order_that_was_overtaken(site: Site) -> None:
     goto(site)
     wanted = site.pushed("goto", MotionCmd)

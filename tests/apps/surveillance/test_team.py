@@ -271,5 +271,16 @@ def test_without_a_navigation_a_robot_makes_way_for_another_one_and_drives_on_af
     assert course.manager.serving == ["happy"]
 
 
+def test_without_a_navigation_a_robot_backs_off_from_what_stalls_it_and_drives_on(make: Make) -> None:
+    course = make(starts={"happy": HAPPY}, scan_s=0.4, navigates=False)
+    robot = course.robots["happy"]
+    course.run(5.0)
+    robot.stalls, seen = 2, len(visits(course))
+    assert course.run_until(lambda: robot.stalls == 0, 30.0)
+    assert course.run_until(lambda: len(visits(course)) > seen, 40.0)
+    assert robot.backed == pytest.approx(0.4, abs=0.01)
+    assert course.manager.serving == ["happy"]
+
+
 def visits(course: SurveillanceCourse) -> list[RoomVisit]:
     return [] if course.manager.ledger is None else course.manager.ledger.visits

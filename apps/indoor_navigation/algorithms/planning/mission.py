@@ -166,7 +166,7 @@ class Navigator:
     def step(self, now: float) -> Order:
         """Return the order for now, in odom."""
         order = self._step(now)
-        if order.aim in (Motion.GO, Motion.BACK):
+        if order.aim in (Motion.GO, Motion.BACK, Motion.TURN):
             speed = order.speed / 2.0 if self._situation.seeking is not None else order.speed
             barred = tuple(self.memory.forbidden_near().round(DIGITS).ravel().tolist())
             order = replace(order, speed=speed, barred=barred)
