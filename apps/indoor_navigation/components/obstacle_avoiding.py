@@ -139,9 +139,7 @@ class ObstacleAvoiding(Embodied):
         while self._shared:
             sample, at = self._shared.popleft()
             robot, _ = keys.split(sample.key)
-            with suppress(
-                MessageError, AttributeError
-            ):  # no pose; a robot that shares none is seen by the sensors only
+            with suppress(MessageError, AttributeError):  # it is no pose; the robot is seen by the sensors only
                 pose = sample.decoded().pose.pose
                 self._teammates.see(robot, (pose.position.x, pose.position.y, heading(pose.orientation)), at)
         return self._teammates.closing(self._now)
