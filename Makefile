@@ -7,7 +7,7 @@ READY  := $(VENV)/.ready
 SEEN   := $(VENV)/.collected
 
 # Tests wait for processes more than they reckon, so there is room for more at a time than there are cores.
-WORKERS := $(shell expr $$(nproc) + 2)
+WORKERS := $(shell expr $$(nproc) + 4)
 PYTEST  := $(BIN)/pytest -n $(WORKERS) --dist loadscope
 
 # Caches stay in this folder too. Bytecode is one of them: hundreds of processes begin in the tests, and each of them would
