@@ -21,7 +21,7 @@ from benchmarks.figures import Figure, percentile
 from benchmarks.flow_course import ROBOT, FloorCover, FlowCourse
 from benchmarks.textured_rooms import textured_room
 
-SEEDS = range(30, 50)  # settings were tuned on seeds below 30
+SEEDS = range(70, 90)  # seeds below 32 and 60 were looked at
 DURATION = 600.0  # s
 CLEAN, VISITED, CYCLE_MS = 19 / 20, 0.4, 15.0
 FILM_FROM, FILM_TO, FILM_RATE = 20.0, 60.0, 2.0  # s and Hz, of the first seed
