@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
+from benchmarks.drives import add_options
 from benchmarks.figures import Figure, as_text, write_json, write_picture
 from benchmarks.noise import NoiseMeter
 from configs.defaults import VARIABLE
@@ -88,6 +89,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     parser.add_argument(
         "--goals", type=int, default=10, help="goals of each condition of map_navigation (default: 10; all: 200)"
     )
+    add_options(parser)
     parser.add_argument("--map", metavar="FILE", action="append", help="build the map of this world too; repeatable")
     parser.add_argument("--peer", metavar="HOST:PORT", help="compare the emulator with a simulator on this TCP port")
     parser.add_argument(

@@ -65,7 +65,7 @@ class FlowCourse(Closeable):
         self.image: Pixels | None = None
         self.vectors: Sequence[Sequence[float]] = ()
         self.spoil: Callable[[CompressedImage], CompressedImage | None] = lambda message: message
-        self._options = FlowOptions(vectors=has_vectors)
+        self._options = FlowOptions(vectors=has_vectors, ahead=settings.robot.camera_m)
         self.lockstep = Lockstep(world, {ROBOT: MODEL}, fits={ROBOT: CAMERA}, seed=seed, perfect=perfect)
         self._bus = self.lockstep.bus()
         self._tools = FlowTools(has_noise=False)
@@ -120,7 +120,7 @@ class FlowCourse(Closeable):
         message = decode(sample.type_name, sample.payload)
         at, moving = message.pose.pose, message.twist.twist
         stamp, direction = stamp_ns(message.header) / NS_PER_S, heading(at.orientation)
-        self._headings.add(stamp, direction, moving.angular.z)
+        self._headings.add(stamp, direction, moving.angular.z, moving.linear.x)
         pose = Pose2D(at.position.x, at.position.y, direction)
         self._odometry = stamp, pose, Twist2D(moving.linear.x, moving.angular.z)
 
@@ -140,7 +140,8 @@ class FlowCourse(Closeable):
         turned = None if before is None else self._headings.turned(before, stamp)
         try:
             image = self._tools.decoded(message)
-            result = self._tools.result(image, stamp, CameraMotion(turned), {"field_of_view": VIEW}, self._options)
+            motion = CameraMotion(turned, speed=self._headings.speed, turn=self._headings.rate)
+            result = self._tools.result(image, stamp, motion, {"field_of_view": VIEW}, self._options)
             result["stamp"] = stamp
             self._trouble = result["trouble"] or ""
             self.vectors = result.get("vectors", ())

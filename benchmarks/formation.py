@@ -3,13 +3,15 @@
 import argparse
 import math
 import statistics
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 
 from apps.formation.plots import draw_formation, write_film
 from apps.formation.settings import FormationSettings
 from apps.formation.shapes import COLUMN, shape_offsets
+from benchmarks.drives import drive_all
 from benchmarks.figures import Figure
 from benchmarks.formation_course import Drive, FormationCourse, figure_of_eight, follow_line, straight
 from benchmarks.formation_sight import SightCourse
@@ -17,9 +19,8 @@ from geometry import Pose2D, Twist2D
 from p2os_emu.world import Block, load_world
 
 NAMES = ("happy", "doc", "grumpy", "sleepy", "dopey")
-SEEDS = range(11, 21)  # settings were tuned on seeds 1 to 5
-FEW = range(11, 16)
-BESIDE = FEW[:3]  # for what is shown beside, and has no figure
+SEEDS = range(11, 21)  # settings were tuned on seeds 1 to 5, those of sight on 0 and 1
+FEW, BESIDE = 5, 3  # first seeds, for courses that take long, and for what is shown beside and has no figure
 SPEED = 0.25  # m/s of the leader
 EIGHT = 4.5  # m from the middle of the figure of eight to an end; its ends have a radius of 1.5 m
 CHANGES = ("line", COLUMN, "wedge", "line", "triangle", COLUMN, "triangle")
@@ -30,7 +31,6 @@ DOORS = ((10.0, 5.0), (6.4, 5.0))  # middles of the doors that the way leads thr
 CHANGES_BY_SIGHT = ("wedge", COLUMN, "triangle", "wedge", "triangle", COLUMN, "triangle")
 FORMED_BY_SIGHT = 0.25  # m likewise
 GATHER, BLIND = 16.0, 12.0  # s in which followers look for the leader, and for which a camera is covered
-SIGHT_SEEDS = range(11, 17)  # settings of sight were tuned on seeds 0 and 1
 GONE, BACK = 20.0, 35.0  # s at which a member falls silent, and is heard again
 
 
@@ -59,20 +59,25 @@ def measure(options: argparse.Namespace) -> list[Figure]:
     settings = FormationSettings.load()
     path = replace(settings, points=replace(settings.points, follow="path"))
     uncorrected = replace(settings, poses=replace(settings.poses, correct=False))
-    scores = [eight("eight", seed, settings, options.out) for seed in SEEDS]
-    scores += [eight("eight, points along the path", seed, path) for seed in BESIDE]
-    scores += [eight("eight, odometry alone", seed, uncorrected) for seed in BESIDE]
-    scores += [
-        square(name, seed, each) for seed in FEW for name, each in (("square", settings), ("square, path", path))
+    seeds: Sequence[int] = options.seeds or SEEDS
+    few, beside = seeds[:FEW], seeds[:BESIDE]
+    change = partial(changes, settings=settings)
+    courses: list[tuple[Callable[[int, Path | None], FormationScore], Sequence[int]]] = [
+        (partial(eight, name="eight", settings=settings), seeds),
+        (partial(eight, name="eight, points along the path", settings=path), beside),
+        (partial(eight, name="eight, odometry alone", settings=uncorrected), beside),
+        (partial(square, name="square", settings=settings), few),
+        (partial(square, name="square, path", settings=path), few),
+        (partial(change, name="3 robots change", count=2), few),
+        (partial(change, name="4 robots change", count=3), beside),
+        (partial(change, name="5 robots change", count=4), beside),
+        (partial(office, name="office", settings=settings), few),
+        (partial(lost, name="lost member", settings=settings), few),
+        (partial(eight_by_sight, name="eight by sight", settings=settings), few),
+        (partial(changes_by_sight, name="3 robots change by sight", settings=settings), few),
+        (partial(blind, name="blind member", settings=settings), beside),
     ]
-    for count, seeds in ((2, FEW), (3, BESIDE[:2]), (4, BESIDE[:2])):
-        name = f"{count + 1} robots change"
-        scores += [changes(name, count, seed, settings, options.out) for seed in seeds]
-    scores += [office("office", seed, settings, options.out) for seed in FEW]
-    scores += [lost("lost member", seed, settings, options.out) for seed in FEW]
-    scores += [eight_by_sight("eight by sight", seed, settings, options.out) for seed in SIGHT_SEEDS]
-    scores += [changes_by_sight("3 robots change by sight", seed, settings, options.out) for seed in SIGHT_SEEDS[:3]]
-    scores += [blind("blind member", seed, settings, options.out) for seed in SIGHT_SEEDS[:3]]
+    scores = [score for drive, each in courses for score in drive_all(drive, each, options, row)]
     (options.out / "formation.md").write_text(page(scores), encoding="utf-8")
     of = {name: [score for score in scores if score.course == name] for name in {score.course for score in scores}}
     three = [time for score in of["3 robots change"] for time in score.formed_after]
@@ -80,8 +85,10 @@ def measure(options: argparse.Namespace) -> list[Figure]:
     seen, formed = of["eight by sight"], [t for s in of["3 robots change by sight"] for t in s.formed_after]
     doors = [time for score in of["office"] for time in score.formed_after]
     return [
-        _figure("triangle on a figure of eight, mean", statistics.fmean(s.off for s in of["eight"]), 0.10, "m", 10),
-        _figure("the same, worst seed", max(s.off for s in of["eight"]), 0.10, "m", 10),
+        _figure(
+            "triangle on a figure of eight, mean", statistics.fmean(s.off for s in of["eight"]), 0.10, "m", len(seeds)
+        ),
+        _figure("the same, worst seed", max(s.off for s in of["eight"]), 0.10, "m", len(seeds)),
         _figure(
             "by sight: triangle on a figure of eight, mean", statistics.fmean(s.off for s in seen), 0.20, "m", len(seen)
         ),
@@ -94,7 +101,7 @@ def measure(options: argparse.Namespace) -> list[Figure]:
     ]
 
 
-def eight(name: str, seed: int, settings: FormationSettings, out: Path | None = None) -> FormationScore:
+def eight(seed: int, out: Path | None = None, *, name: str, settings: FormationSettings) -> FormationScore:
     """Drive a triangle of three along a figure of eight."""
     start, drive = figure_of_eight(EIGHT, SPEED)
     with FormationCourse(
@@ -105,7 +112,7 @@ def eight(name: str, seed: int, settings: FormationSettings, out: Path | None = 
         return _score(course, name, seed)
 
 
-def eight_by_sight(name: str, seed: int, settings: FormationSettings, out: Path | None = None) -> FormationScore:
+def eight_by_sight(seed: int, out: Path | None = None, *, name: str, settings: FormationSettings) -> FormationScore:
     """Drive the same triangle by sight; the leader waits until its followers have found it."""
     start, drive = figure_of_eight(EIGHT, SPEED)
     starts = placed(start, "triangle", 2, settings.by_sight)
@@ -116,7 +123,7 @@ def eight_by_sight(name: str, seed: int, settings: FormationSettings, out: Path 
         return _score(course, name, seed)
 
 
-def changes_by_sight(name: str, seed: int, settings: FormationSettings, out: Path | None = None) -> FormationScore:
+def changes_by_sight(seed: int, out: Path | None = None, *, name: str, settings: FormationSettings) -> FormationScore:
     """Change the shape by sight again and again behind a leader that drives straight on."""
     starts = placed(Pose2D(), "triangle", 2, settings.by_sight)
     drive = follow_line(straight((0, 0), (60, 0)), SPEED)
@@ -133,7 +140,7 @@ def changes_by_sight(name: str, seed: int, settings: FormationSettings, out: Pat
         return _score(course, name, seed, times)
 
 
-def blind(name: str, seed: int, settings: FormationSettings, out: Path | None = None) -> FormationScore:
+def blind(seed: int, out: Path | None = None, *, name: str, settings: FormationSettings) -> FormationScore:
     """Cover the camera of a follower for a while; the time until it is in its place after it sees again."""
     starts = placed(Pose2D(), "triangle", 2, settings.by_sight)
     drive = follow_line(straight((0, 0), (60, 0)), SPEED)
@@ -156,7 +163,7 @@ def _gather(course: SightCourse, drive: Drive) -> None:
     course.drive = drive
 
 
-def square(name: str, seed: int, settings: FormationSettings) -> FormationScore:
+def square(seed: int, out: Path | None = None, *, name: str, settings: FormationSettings) -> FormationScore:
     """Drive a triangle of three along a square, whose corners the leader takes in a curve of 0.3 m."""
     line = straight((0, 0), (4, 0), (4, 4), (0, 4), (0, 0))
     starts = placed(Pose2D(), "triangle", 2, settings)
@@ -164,10 +171,13 @@ def square(name: str, seed: int, settings: FormationSettings) -> FormationScore:
         load_world("empty"), starts, "triangle", settings, seed=seed, drive=follow_line(line, SPEED)
     ) as course:
         course.run(90.0)
+        _draw(course, name, seed, out, "triangle on a square of 4 m")
         return _score(course, name, seed)
 
 
-def changes(name: str, count: int, seed: int, settings: FormationSettings, out: Path | None = None) -> FormationScore:
+def changes(
+    seed: int, out: Path | None = None, *, name: str, count: int, settings: FormationSettings
+) -> FormationScore:
     """Change the shape again and again behind a leader that drives straight on."""
     starts = placed(Pose2D(), "triangle", count, settings)
     drive = follow_line(straight((0, 0), (60, 0)), SPEED)
@@ -183,7 +193,7 @@ def changes(name: str, count: int, seed: int, settings: FormationSettings, out: 
         return _score(course, name, seed, times)
 
 
-def office(name: str, seed: int, settings: FormationSettings, out: Path | None = None) -> FormationScore:
+def office(seed: int, out: Path | None = None, *, name: str, settings: FormationSettings) -> FormationScore:
     """Drive through two doors of the office; `formed_after` has the distances from the leader's path in doors, m."""
     starts = placed(Pose2D(*OFFICE[0]), "triangle", 2, settings)
     drive = follow_line(straight(*OFFICE), SPEED)
@@ -196,7 +206,7 @@ def office(name: str, seed: int, settings: FormationSettings, out: Path | None =
         return _score(course, name, seed, _beside_doors(course))
 
 
-def lost(name: str, seed: int, settings: FormationSettings, out: Path | None = None) -> FormationScore:
+def lost(seed: int, out: Path | None = None, *, name: str, settings: FormationSettings) -> FormationScore:
     """Let a member of a column of four fall silent, and return; times until the gap is closed, and all have places."""
     starts = placed(Pose2D(), "wedge", 3, settings)
     drive = follow_line(straight((0, 0), (60, 0)), 0.15)
@@ -238,19 +248,29 @@ def formed_after(course: FormationCourse, begun: float, within: float = FORMED) 
     return math.inf
 
 
-def page(scores: Sequence[FormationScore]) -> str:
-    """Return a table of all drives."""
-    rows = [
+def row(s: FormationScore) -> str:
+    """Return one drive as a row of the table."""
+    return (
         f"| {s.course} | {s.seed} | {100 * s.off:.1f} | {100 * s.off_path:.1f} | {100 * s.worst:.0f} | {s.nearest:.2f} "
         f"| {', '.join(f'{each:.2f}' for each in s.formed_after)} | {'; '.join(s.touched) or 'nothing'} |"
-        for s in scores
-    ]
+    )
+
+
+def page(scores: Sequence[FormationScore]) -> str:
+    """Return a table of all drives."""
     head = (
         "| course | seed | mean off, cm | mean off along the path, cm | worst, cm | nearest axles, m | s (office: m) "
         "| touched |\n|---|---|---|---|---|---|---|---|\n"
     )
     told = [f"{s.course}, seed {s.seed}: {each}" for s in scores for each in s.told]
-    return "# Formations\n\n" + head + "\n".join(rows) + "\n\n" + "\n".join(f"- {each}" for each in told) + "\n"
+    return (
+        "# Formations\n\n"
+        + head
+        + "\n".join(map(row, scores))
+        + "\n\n"
+        + "\n".join(f"- {each}" for each in told)
+        + "\n"
+    )
 
 
 def _score(course: FormationCourse, name: str, seed: int, times: Sequence[float] = ()) -> FormationScore:
@@ -296,8 +316,8 @@ def _told(course: FormationCourse) -> list[tuple[float, str]]:
 def _draw(
     course: FormationCourse, name: str, seed: int, out: Path | None, title: str, blocks: Sequence[Block] = ()
 ) -> None:
-    """Draw and film the drive of the first seed."""
-    if out is not None and seed == SEEDS[0]:
+    """Draw and film a drive into a folder, if there is one."""
+    if out is not None:
         walls = [each.footprint for each in blocks]
         file = out / f"formation-{name.replace(' ', '-')}.svg"
         draw_formation(file, course.track, f"{title}, seed {seed}", walls)

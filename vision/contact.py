@@ -6,8 +6,8 @@ brightness, which is the one that can be seen; a Kalman filter for each column f
 """
 
 from collections import deque
-from dataclasses import dataclass
-from math import radians, tan
+from dataclasses import dataclass, replace
+from math import atan2, radians, tan
 
 import cv2
 import numpy as np
@@ -67,6 +67,32 @@ class ContactResult:
     deviations: Floats
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class _Earlier:
+    """An earlier image. age: s. turned: rad by which the camera turned since. ahead, aside: m that it was carried."""
+
+    image: Pixels
+    age: float = 0.0
+    turned: float = 0.0
+    ahead: float = 0.0
+    aside: float = 0.0
+
+    @property
+    def slip(self) -> float:
+        """Angle from the robot's chord to the direction in which the camera was carried, rad."""
+        return atan2(self.aside, self.ahead) if self.ahead > 0.0 else 0.0
+
+    def later(self, dt: float, turn: float, way: tuple[float, float]) -> "_Earlier":
+        """Return it dt s later, after a turn of the camera, rad, and a way ahead and aside, m."""
+        return replace(
+            self,
+            age=self.age + dt,
+            turned=self.turned + turn,
+            ahead=self.ahead + way[0],
+            aside=self.aside + way[1],
+        )
+
+
 class ContactEstimator:
     """Takes images of one camera as they come."""
 
@@ -86,18 +112,26 @@ class ContactEstimator:
             self._pixels[number, : len(own)] = own
         middles = np.stack(((edges[1:] + edges[:-1]) / 2.0, np.full(count, self._camera.cy)), axis=1)
         self.bearings: Floats = np.arctan(self._camera.rays_of(middles)[:, 1])
+        ends = np.arctan(self._camera.rays_of(np.stack((edges, np.full(count + 1, self._camera.cy)), axis=1))[:, 1])
+        self._edges = np.stack((ends[:-1], ends[1:]), axis=1)  # rad, left and right, of each column
         self.reset()
 
     def reset(self) -> None:
         """Forget all images."""
-        self._history: deque[tuple[Pixels, float, float]] = deque()  # image, s and yaw from it to the latest one
+        self._history: deque[_Earlier] = deque()
         self._rate = np.full(self._parameters.columns, np.nan)
         self._variance = np.full(self._parameters.columns, np.inf)
         self._turn, self._step = 0.0, 1.0  # rad by which the camera turned in the last time step, and its s
         self._speed = 0.0  # px/s of the flow without rotation, about
 
     def update(
-        self, pixels: Pixels, dt: float, yaw: float | None = None, pan: float = 0.0, tilt: float = 0.0
+        self,
+        pixels: Pixels,
+        dt: float,
+        yaw: float | None = None,
+        pan: float = 0.0,
+        tilt: float = 0.0,
+        way: tuple[float, float] = (0.0, 0.0),
     ) -> ContactResult | None:
         """Take the next image; returns the result, or None of the first one.
 
@@ -107,7 +141,9 @@ class ContactEstimator:
             pixels: Colour or grey, of the camera's size.
             dt: s since the image before.
             yaw: Rotation of the camera since the image before, rad, left positive; None to estimate it from the flow.
-            pan, tilt: Direction of the camera to the direction of travel, rad, left and up positive.
+            pan, tilt: Direction of the camera to the robot's front, rad, left and up positive.
+            way: By how much the robot has carried the camera forward and to the left since the image before; only the
+                ratio counts. A camera before the axle moves sideways in turns. Zeros: straight ahead.
         Raises:
             VisionError: The image has another size, or dt is not positive.
         """
@@ -120,20 +156,21 @@ class ContactEstimator:
         small = np.asarray(cv2.resize(grey, size, interpolation=cv2.INTER_AREA), np.uint8)
         self._turn = self._turn / self._step * dt if yaw is None else yaw
         self._step = dt
-        self._history = deque((image, age + dt, turned + self._turn) for image, age, turned in self._history)
-        while len(self._history) > 1 and self._history[1][1] >= self._parameters.history:
+        self._history = deque(each.later(dt, self._turn, way) for each in self._history)
+        while len(self._history) > 1 and self._history[1].age >= self._parameters.history:
             self._history.popleft()
         result = self._compared(small, dt, yaw, pan, tilt) if self._history else None
-        self._history.append((small, 0.0, 0.0))
+        self._history.append(_Earlier(small))
         return result
 
     def _compared(self, image: Pixels, dt: float, yaw: float | None, pan: float, tilt: float) -> ContactResult:
-        if float(np.mean(cv2.absdiff(image, self._history[-1][0]))) < _SAME:
+        if float(np.mean(cv2.absdiff(image, self._history[-1].image))) < _SAME:
             self._rate[:], self._variance[:] = np.nan, np.inf
             nothing = np.zeros((*image.shape, 2))
             unknown = np.full(self._parameters.columns, np.nan)
             return ContactResult(nothing, nothing, dt, 0.0, None, self.bearings, unknown, unknown.copy())
-        before, interval, turned = self._partner()
+        partner = self._partner()
+        before, interval, turned = partner.image, partner.age, partner.turned
         flow = dense_flow(before, image)
         across, down = (cv2.Sobel(before, cv2.CV_32F, *order, ksize=3, scale=0.125) for order in ((1, 0), (0, 1)))
         gradient = np.stack((across, down), axis=2).astype(np.float64)
@@ -144,13 +181,14 @@ class ContactEstimator:
         if yaw is None:
             rotation = self._geometry.rotation_in(flow, focus, texture)
             wrong = float(rotation @ yaw_vector(1.0, tilt)) - turned
-            self._history = deque((each, age, rad + wrong) for each, age, rad in self._history)
+            self._history = deque(replace(each, turned=each.turned + wrong) for each in self._history)
             self._turn += wrong
             turned += wrong
         # A robot that turns while it drives travels along a chord, half of the turn to the side.
-        focus = (tan(np.clip(turned / 2.0 - pan, -1.2, 1.2)), focus[1])
+        focus = (tan(np.clip(turned / 2.0 - pan + partner.slip, -1.2, 1.2)), focus[1])
         translation = flow - self._geometry.of_rotation(rotation)
         rate, variance = self._columns(translation, gradient, texture, focus, tilt)
+        rate, variance = self._carried(rate, variance, focus[0], turned)
         rate, variance = rate / interval, variance / interval**2
         length = np.linalg.norm(translation[::4, ::4], axis=2)
         self._speed = float(np.median(length)) / interval
@@ -168,15 +206,14 @@ class ContactEstimator:
             np.sqrt(self._variance),
         )
 
-    def _partner(self) -> tuple[Pixels, float, float]:
+    def _partner(self) -> "_Earlier":
         """Return the image to compare with: as old as the flow needs to be measured well, without too much rotation."""
         chosen = self._history[-1]
         for each in reversed(self._history):
-            _, age, turned = each
-            if age > self._parameters.history or abs(turned) * self._camera.fx > _TURN:
+            if each.age > self._parameters.history or abs(each.turned) * self._camera.fx > _TURN:
                 break
             chosen = each
-            if self._speed * age >= _FLOW:
+            if self._speed * each.age >= _FLOW:
                 break
         return chosen
 
@@ -208,6 +245,20 @@ class ContactEstimator:
         # Neighbouring pixels share their flow.
         variance = np.where(enough, spreads**2 / np.maximum(full, 1.0) * 4.0 + 1e-6, np.inf)
         return result, variance
+
+    def _carried(self, rate: Floats, variance: Floats, focus: float, turned: float) -> tuple[Floats, Floats]:
+        """Return rates, per interval, by the columns in which things are now; flow is measured where they were before.
+
+        Where several things are in one column, the nearest counts. focus: slope of the direction of travel. turned: rad
+        in the interval.
+        """
+        slopes = focus + (np.tan(self._edges) - focus) * (1.0 + rate)[:, None]
+        ends = np.arctan(slopes) - turned
+        is_there = (self.bearings <= ends[:, :1]) & (self.bearings >= ends[:, 1:])
+        inside = np.where(is_there, rate[:, None], -np.inf)
+        nearest = np.argmax(inside, axis=0)
+        is_known = is_there.any(axis=0)
+        return np.where(is_known, rate[nearest], np.nan), np.where(is_known, variance[nearest], np.inf)
 
     def _filtered(self, rate: Floats, variance: Floats, dt: float, yaw: float) -> None:
         """Take a measurement of all columns into the filters, 1/s. yaw: rad that the camera turned in dt."""

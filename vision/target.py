@@ -2,12 +2,14 @@
 
 Two flanks and a centre one that is displaced in depth are carried upright at the back of a robot. The displacement
 makes the orientation visible where the target is seen straight from behind, since the centre moves between the flanks.
+From about 58 degrees aside the centre hides one flank; the other one and the centre, which are not in one plane, are
+enough then.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from enum import Enum
-from itertools import product
+from itertools import pairwise, product
 from math import atan2, cos, exp, hypot, isfinite, radians, sin
 
 import cv2
@@ -34,6 +36,9 @@ _SEEN = 0.6  # of a rectangle that must be in view
 _COVERED = 0.7  # of a rectangle that must have its colour
 _UNSURE = radians(8.0)  # standard deviation of the orientation above which a pose is not reported
 _STEEPEST = radians(78.0)  # of the target to the line of sight
+_ASIDE = radians(50.0), radians(68.0)  # of the target to the line of sight, between which its centre may hide a flank
+_REST = 0.5  # of the other rectangles' area that may be left of a hidden flank
+_PAIRS = 2  # combinations of two rectangles at most that are compared with the edges
 
 
 @dataclass(frozen=True, slots=True)
@@ -194,7 +199,7 @@ class TargetFinder:
             return TargetSighting(TargetStatus.NOT_SEEN, "none of the target's colours is in view")
         if missing:
             words = f"{' and '.join(missing)} of the target cannot be seen: hidden, out of view, or trained wrongly"
-            return TargetSighting(TargetStatus.PARTLY_HIDDEN, words)
+            return self._from_aside(pixels, groups, tilt) or TargetSighting(TargetStatus.PARTLY_HIDDEN, words)
         candidates = self._candidates(pixels, groups, tilt)
         # A triple that nearly fits is no result, but the second one beside a good one.
         likely = sorted((each for each in candidates if each.may_be_good), key=_Candidate.quality)
@@ -208,7 +213,48 @@ class TargetFinder:
             return TargetSighting(TargetStatus.SEVERAL, words, None, poses)
         if poses and disjoint[0].is_good:
             return TargetSighting(TargetStatus.FOUND, f"target at {poses[0].distance:.2f} m", poses[0])
-        return self._refused(groups, candidates, tilt)
+        return self._from_aside(pixels, groups, tilt) or self._refused(groups, candidates, tilt)
+
+    def _from_aside(self, pixels: Pixels, groups: Sequence[Sequence[Blob]], tilt: float) -> TargetSighting | None:
+        """Return a target whose centre hides one of its flanks; None if there is none, or more than one."""
+        classes: Pixels | None = None
+        found = []
+        for hidden in (0, 2):
+            shown = [number for number in range(3) if number != hidden]
+            rough = [
+                (starts[0][0], blobs, starts)
+                for blobs in product(*(groups[number] for number in shown))
+                if max((each.area for each in groups[hidden]), default=0) < _REST * min(each.area for each in blobs)
+                and (starts := self._rough(blobs, tilt, 1.0, shown))
+                and abs(_aspect(starts[0][1])) > _ASIDE[0] / 2.0
+            ]
+            for _, _, starts in sorted(rough, key=lambda each: each[0])[:_PAIRS]:
+                corners = self._corners[shown]
+                fits = [each for _, start in starts if (each := fit(pixels, self._camera, corners, start, tilt))]
+                fits.sort(key=lambda each: each.error / max(0.1, float(each.support.mean())))
+                if fits and self._hides(fits, hidden):
+                    classes = self._table.classes(pixels) if classes is None else classes
+                    covered = self._covered(fits[0].pose, classes, tilt)
+                    if all(covered[number] >= _COVERED for number in shown):
+                        found.append(_pose(fits[0]))
+        if len(found) != 1:
+            return None
+        return TargetSighting(TargetStatus.FOUND, f"target at {found[0].distance:.2f} m, from aside", found[0])
+
+    def _hides(self, fits: Sequence[TargetFit], hidden: int) -> bool:
+        """Return whether the best fit, without a rival, has the target so far aside that its centre hides a flank."""
+        best = fits[0]
+        aspect = _aspect(best.pose) * (1.0 if hidden == 2 else -1.0)
+        rivals = [each for each in fits[1:] if abs(each.pose[3] - best.pose[3]) > 2.0 * _UNSURE]
+        return (
+            _ASIDE[0] < aspect <= _ASIDE[1]
+            and float(best.seen.min()) >= _SEEN
+            and float(best.support.min()) >= _EACH
+            and best.error <= _ERROR
+            and float(best.support.mean()) >= _SUPPORT
+            and best.deviations[3] <= _UNSURE
+            and not any(each.error < 1.3 * best.error + 0.05 for each in rivals)
+        )
 
     def _refused(self, groups: Sequence[Sequence[Blob]], candidates: list[_Candidate], tilt: float) -> TargetSighting:
         if candidates and candidates[0].may_be_good:
@@ -240,7 +286,7 @@ class TargetFinder:
             return _Candidate(triple, None, "the edges of the target cannot be found: hidden in part, or blurred")
         fits.sort(key=lambda each: each.error / max(0.1, float(each.support.mean())))
         best = fits[0]
-        aspect = best.pose[3] - atan2(best.pose[1], best.pose[0])
+        aspect = _aspect(best.pose)
         covered = self._covered(best.pose, classes, tilt)
         for number, name in enumerate(_NAMES):
             if best.seen[number] < _SEEN or best.support[number] < _EACH or covered[number] < _COVERED:
@@ -274,27 +320,31 @@ class TargetFinder:
             shares.append(float(own[rows, columns].sum() / len(grid)))
         return shares
 
-    def _rough(self, blobs: tuple[Blob, ...], tilt: float, upright: float) -> list[tuple[float, Floats]]:
-        """Return poses at which the target would look roughly like three blobs, with their errors; the best first.
+    def _rough(
+        self, blobs: tuple[Blob, ...], tilt: float, upright: float, shown: Sequence[int] = (0, 1, 2)
+    ) -> list[tuple[float, Floats]]:
+        """Return poses at which the target would look roughly like the blobs, with their errors; the best first.
 
         For a given orientation the position follows from a linear system, the same for all orientations but for its
         right side, so all are tried at once.
 
         Args:
-            blobs: Left flank, centre, right flank.
+            blobs: Left flank, centre, right flank, or those of them that are shown.
             tilt: Of the camera.
             upright: 1, or -1 to have the image turned upside down.
+            shown: Numbers of the blobs' rectangles.
         """
         heights = [blob.area / blob.width for blob in blobs]
         middle = np.mean([(blob.x, blob.y) for blob in blobs], axis=0)
-        if max(heights) > 3.0 * min(heights) or not upright * blobs[0].x < upright * blobs[1].x < upright * blobs[2].x:
+        is_in_order = all(upright * left.x < upright * right.x for left, right in pairwise(blobs))
+        if max(heights) > 3.0 * min(heights) or not is_in_order:
             return []
         marks = [(blob.x, blob.y + part * tall) for blob, tall in zip(blobs, heights, strict=True) for part in _PARTS]
         seen = self._camera.rays_of(np.array(marks))
         level = seen @ np.array([[cos(tilt), 0.0, sin(tilt)], [0.0, 1.0, 0.0], [-sin(tilt), 0.0, cos(tilt)]])
         slopes = upright * level[:, 1:] / level[:, :1]
         points = (
-            self._corners.mean(axis=1)[:, None]
+            self._corners[list(shown)].mean(axis=1)[:, None]
             + np.array([[0.0, 0.0, -upright * part] for part in _PARTS]) * self._shape.height
         )
         points = points.reshape(-1, 3)
@@ -316,6 +366,11 @@ class TargetFinder:
 
 
 _PARTS = (-0.5, 0.0, 0.5)  # of a rectangle's height: marks of a blob for the rough pose
+
+
+def _aspect(pose: Floats) -> float:
+    """Return the angle of a target to the line of sight, rad."""
+    return float(pose[3]) - atan2(float(pose[1]), float(pose[0]))
 
 
 def _pose(fitted: TargetFit) -> TargetPose:

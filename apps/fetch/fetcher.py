@@ -19,7 +19,15 @@ _DOUBT = 0.03  # m, of heights
 _HELD = 0.9, 0.2  # m ahead and to each side, where the camera sees what is held, taken for something on the floor
 _SEEN_FOR = 2.0  # s without a sighting from the standoff, after which the object is gone
 _HOLDING = frozenset(
-    (FetchState.GRIP, FetchState.LIFT, FetchState.CARRY, FetchState.DELIVER, FetchState.LOWER, FetchState.RELEASE)
+    (
+        FetchState.GRIP,
+        FetchState.LIFT,
+        FetchState.CARRY,
+        FetchState.TURN_BACK,
+        FetchState.DELIVER,
+        FetchState.LOWER,
+        FetchState.RELEASE,
+    )
 )
 _SEEING = frozenset((FetchState.SEARCH, FetchState.WANDER, FetchState.APPROACH, FetchState.ALIGN, FetchState.CARRY))
 _WAITING = frozenset((FetchState.ALIGN, FetchState.GRIP, FetchState.LIFT, FetchState.LOWER, FetchState.RELEASE))
@@ -47,6 +55,7 @@ class Fetcher:
         self.state, self.reason = FetchState.SEARCH, f"no {colour} object is known yet"
         self.target: FloorObject | None = None
         self.attempts = 0
+        self._turned_back = 0  # times, with the object
         self._now = self._since = self._advanced = 0.0
         self._searched: float | None = None  # since when it searches, or s after the last grip
         self._is_facing = False  # the place, since it delivers
@@ -67,6 +76,7 @@ class Fetcher:
             FetchState.GRIP: self._step_grip,
             FetchState.LIFT: self._step_lift,
             FetchState.CARRY: self._step_carry,
+            FetchState.TURN_BACK: self._step_back,
             FetchState.DELIVER: self._step_deliver,
             FetchState.LOWER: self._step_lower,
             FetchState.RELEASE: self._step_release,
@@ -135,8 +145,11 @@ class Fetcher:
         if self._found(readings.pose):
             return _REST
         pose = readings.pose
-        if self._driving.has_arrived(pose) or self._driving.is_stuck(self._now, pose):
+        if self._driving.has_arrived(pose):
             self._search()
+            return _REST
+        if self._driving.is_stuck(self._now, pose):
+            self._turn_back(pose, FetchState.RETRY, self._search, "there is no room on the way")
             return _REST
         return self._driving.along(self._now, pose, self.objects.discs(self.target))
 
@@ -186,6 +199,7 @@ class Fetcher:
             self._order("deploy")
             return _REST
         if self._driving.is_stuck(self._now, pose):
+            self.floor.bar(pose, self._driving.way)
             self._leave("it cannot be reached")
             return _REST
         discs = (*self.objects.discs(self.target), Disc(target.x, target.y, target.width / 2.0))
@@ -245,7 +259,7 @@ class Fetcher:
             self.objects.forget(self.target)
             self.floor.clear(self.target.x, self.target.y, _CLEARED)
             self._searched = self._now
-            self._go(FetchState.CARRY, "the gripper holds the object, and the lift is up")
+            self._carry()
         else:
             self._waits_too_long("the lift did not go up")
         return _REST
@@ -269,7 +283,11 @@ class Fetcher:
             self._go(FetchState.DELIVER, f"the place is {hypot(place[0] - pose.x, place[1] - pose.y):.2f} m ahead")
             return _REST
         if self._driving.is_stuck(self._now, pose):
-            self._give_up("the place cannot be reached; the robot holds the object")
+            self._turned_back += 1
+            if self._turned_back > self.settings.attempts:
+                self._give_up("the place cannot be reached; the robot holds the object")
+            else:
+                self._turn_back(pose, FetchState.TURN_BACK, self._carry, "there is no room on the way")
             return _REST
         return self._driving.along(self._now, pose, self.objects.discs(self.target))
 
@@ -326,6 +344,16 @@ class Fetcher:
         """Plan the way to a place that is so many m from a goal, from which the goal can be approached straight."""
         driving, discs = self._driving, self.objects.discs(self.target)
         driving.way = self.floor.standoff(pose, goal, away, self.settings.robot.grip_m, discs, driving.way)
+
+    def _carry(self) -> None:
+        self._go(FetchState.CARRY, "the gripper holds the object, and the lift is up")
+
+    def _turn_back(self, pose: Pose2D, state: FetchState, then: Callable[[], None], reason: str) -> None:
+        """Back off from where the way is too narrow, and take another one."""
+        assert self._driving.way is not None  # it is stuck on it
+        self.floor.bar(pose, self._driving.way)
+        self._next = then
+        self._go(state, reason)
 
     def _order(self, order: str) -> None:
         self._gripper = self._ordered = order

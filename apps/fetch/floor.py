@@ -3,6 +3,7 @@
 The grid, its costs, the search and the outline of a robot are those of the indoor navigation.
 """
 
+from collections import deque
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from math import atan2, cos, dist, hypot, pi, sin, sqrt
@@ -39,6 +40,7 @@ _CHOICES = sorted(
 )
 _MOMENTS = 9  # of the motion that is foreseen
 _KEPT = 0.8  # of the cost of the end that the way has so far
+_BARS, _BAR = 4, 0.15  # places that are barred at most, and the radius of one, m
 _SEEN = 8  # evidence for an obstacle that is seen
 
 
@@ -63,6 +65,7 @@ class FetchFloor:
         self._hull = Outline(settings.robot.radius_m, settings.robot.radius_m, 2.0 * settings.robot.half_width_m)
         self._echoes: dict[Pose2D, tuple[float, Point]] = {}  # the last of each disc: when, and where in odom
         self._is_turning = False
+        self._barred: deque[Disc] = deque(maxlen=_BARS)
 
     def hear(
         self,
@@ -133,12 +136,21 @@ class FetchFloor:
             if hypot(place[0] - x, place[1] - y) > radius
         }
 
+    def bar(self, robot: Pose2D, way: Sequence[Point]) -> None:
+        """Plan no way any more through the place where a robot is stuck; until no other way is found.
+
+        A way has room for the width of the hull, which the hull may need more than, where the way bends.
+        """
+        x, y = _ahead(robot, way)
+        share = _AHEAD / max(_AHEAD / 2.0, hypot(x - robot.x, y - robot.y))
+        self._barred.append(Disc(robot.x + share * (x - robot.x), robot.y + share * (y - robot.y), _BAR))
+
     def ground(self, robot: Pose2D, goal: Point, discs: Iterable[Disc] = ()) -> Terrain:
         """Return the costs of the floor about robot and goal."""
         for place in ((robot.x, robot.y), goal):
             self._grid.include(place, _MARGIN)
         area = self._grid.area.around((robot.x, robot.y), goal, margin=_MARGIN)
-        seen = Area.of(area.x, area.y, area.resolution, _with_discs(area, discs))
+        seen = Area.of(area.x, area.y, area.resolution, _with_discs(area, (*discs, *self._barred)))
         return terrain(seen, self._settings.floor.half_width_m, self._costs, robot=(robot.x, robot.y))
 
     def standoff(
@@ -175,6 +187,7 @@ class FetchFloor:
             if cost < min(BARRED, NO_WAY * ground.area.resolution) and (best is None or share * cost < best[0]):
                 best = share * cost, place
         if best is None:
+            self._barred.clear()
             return None
         place = best[1]
         if hypot(place[0] - robot.x, place[1] - robot.y) < self._settings.floor.resolution_m:
@@ -199,6 +212,7 @@ class FetchFloor:
         new = np.min([np.hypot(x - a, y - b) for a, b in looked_from], axis=0)
         able = (ground.cost < _FREE) & (costs < _FAR * step) & (np.hypot(x - robot.x, y - robot.y) > step / 2.0)
         if not able.any():
+            self._barred.clear()
             return None
         are_new = able & (new >= step)
         best = np.where(are_new, costs, np.inf).argmin() if are_new.any() else np.where(able, new, 0.0).argmax()
@@ -242,8 +256,7 @@ class FetchFloor:
     def _wanted(self, robot: Pose2D, way: Sequence[Point]) -> Twist2D:
         drive, goal = self._settings.drive, way[-1]
         left = hypot(goal[0] - robot.x, goal[1] - robot.y)
-        aim = next((each for each in way[1:] if hypot(each[0] - robot.x, each[1] - robot.y) > _AHEAD), goal)
-        off = robot.bearing_to(*aim)
+        off = robot.bearing_to(*_ahead(robot, way))
         self._is_turning = abs(off) > (_TURN_UNTIL if self._is_turning else _TURN_FROM)
         turn = max(-drive.turn_rad_s, min(drive.turn_rad_s, drive.gain * off))
         if self._is_turning:
@@ -264,6 +277,11 @@ class FetchFloor:
             ]
         local = (robot.locate(*place) for place in places)
         return [(x, y) for x, y in local if hypot(x, y) < _NEAR]
+
+
+def _ahead(robot: Pose2D, way: Sequence[Point]) -> Point:
+    """Return the corner of a way to which a robot steers."""
+    return next((each for each in way[1:] if hypot(each[0] - robot.x, each[1] - robot.y) > _AHEAD), way[-1])
 
 
 def _poses(twist: Twist2D, horizon: float) -> tuple[Floats, Floats, Floats]:

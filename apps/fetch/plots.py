@@ -18,7 +18,14 @@ _PARTS = {  # of the path: name and colour
     ),
     "carry and put down": (
         "#d9730d",
-        (FetchState.CARRY, FetchState.DELIVER, FetchState.LOWER, FetchState.RELEASE, FetchState.BACK_OFF),
+        (
+            FetchState.CARRY,
+            FetchState.TURN_BACK,
+            FetchState.DELIVER,
+            FetchState.LOWER,
+            FetchState.RELEASE,
+            FetchState.BACK_OFF,
+        ),
     ),
 }
 

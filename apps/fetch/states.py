@@ -19,6 +19,7 @@ class FetchState(Enum):
     GRIP = "closes the gripper"
     LIFT = "raises the object"
     CARRY = "carries the object"
+    TURN_BACK = "backs off with the object"
     DELIVER = "brings the object over the place"
     LOWER = "lowers the object"
     RELEASE = "opens the gripper"

@@ -78,7 +78,8 @@ def main(
     _running.record, _running.orders, _running.settings = record, None, tuned
     with ExitStack() as at_end:
         served = _page(page, record, tuned, at_end)
-        flow.ask("configure", vectors=bool(writer or served))  # dense, 16 columns: what the settings are made for
+        # Dense, 16 columns: what the settings are made for.
+        flow.ask("configure", vectors=bool(writer or served), ahead=tuned.robot.camera_m)
         at_end.callback(_finish, record, picture, writer)
         at_end.callback(_restore, flow, found)
         at_end.callback(feed.close)
@@ -227,7 +228,12 @@ def _options(flow: ElementClient[Any]) -> dict[str, Any]:
         result = flow.ask("read")
     except RobotError:  # there are no images yet, so nobody has results that could change
         return {}
-    return {"method": result["method"], "columns": len(result["flow"]), "vectors": "vectors" in result}
+    return {
+        "method": result["method"],
+        "columns": len(result["flow"]),
+        "vectors": "vectors" in result,
+        "ahead": result["ahead"],
+    }
 
 
 def _writer(film: str, settings: FlowSettings) -> FilmWriter | None:

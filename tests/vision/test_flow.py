@@ -1,6 +1,7 @@
 """Optical flow and time to contact in a drawn room."""
 
-from collections.abc import Iterator
+from collections import defaultdict
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
 from math import degrees, radians
@@ -121,7 +122,7 @@ def drive(course: Course, is_known: bool) -> tuple[list[float], list[ContactResu
             results.append(result)
             for bearing, time in zip(result.bearings, result.times, strict=True):
                 true = room.depth(x, y, heading, bearing) / course.speed
-                if 1 <= true <= 8:
+                if 1 <= true <= 8 and not np.isnan(time):
                     errors.append(abs(min(time, 100.0) - true) / true)
     return errors, results
 
@@ -139,11 +140,41 @@ def test_time_to_contact_while_turning(is_known: bool) -> None:
     errors, results = drive(Course(102, 0.5, swing=0.4), is_known)
     assert np.median(errors) < 0.15
     assert all(result.interval < 0.6 for result in results)
+    # What came into view since the image that is compared is not known.
+    assert all(np.isnan(result.times[2:-2]).sum() == 0 for result in results)
+
+
+def shares_in_curve(rooms: Sequence[Room], rate: float, ahead: float) -> dict[int, list[float]]:
+    """1 / time by column, as a share of the true one, in curves at 0.3 m/s; ahead: of the camera before the axle, m."""
+    speed, shares = 0.3, defaultdict[int, list[float]](list)
+    for room in rooms:
+        estimator = ContactEstimator(MODEL)
+        for number, (x, y, heading, turned) in enumerate(Course(0, speed, yaw=rate, count=20).poses()):
+            eye = x + ahead * float(np.cos(heading)), y + ahead * float(np.sin(heading)), heading
+            result = estimator.update(room.image(CAMERA, *eye), DT, turned, way=(speed * DT, ahead * rate * DT))
+            if result and number > 7:
+                for column, (bearing, time) in enumerate(zip(result.bearings, result.times, strict=True)):
+                    shares[column].append(room.depth(*eye, bearing) / speed / time)
+    return shares
+
+
+@pytest.mark.parametrize("ahead", [0.0, 0.2])
+def test_times_are_right_at_both_sides_of_a_curve_also_if_the_camera_is_before_the_axle(ahead: float) -> None:
+    shares = shares_in_curve([Room(104, ahead=4.5), Room(105, ahead=4.5)], 0.3, ahead)
+    for side in ((1, 2, 3), (12, 13, 14)):
+        assert np.nanmedian([share for column in side for share in shares[column]]) == pytest.approx(1.0, abs=0.12)
+
+
+def test_times_are_told_by_the_columns_in_which_things_are_now() -> None:
+    shares = shares_in_curve([Room(seed, 8.0, 0.9, 0.9) for seed in (204, 205)], 0.15, 0.1)
+    outer = [share for column in (11, 12, 13, 14) for share in shares[column]]  # the wall goes out of the view
+    assert np.nanmedian(outer) == pytest.approx(1.0, abs=0.1)
 
 
 def test_a_robot_that_stands_and_turns_has_nothing_ahead() -> None:
     _, results = drive(Course(103, 1e-9, yaw=0.3, count=15), True)
-    assert np.median(results[-1].times) > 15.0
+    assert np.isnan(results[-1].times[1:]).sum() == 0, "only the left column came into view"
+    assert np.nanmedian(results[-1].times) > 15.0
 
 
 def test_frozen_and_black_images_say_that_nothing_is_known(still: Pixels) -> None:

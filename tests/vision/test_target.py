@@ -85,6 +85,20 @@ def test_poses_under_changing_light_are_found_as_exactly_as_following_needs(find
     assert degrees(orientation) < 5.0
 
 
+@pytest.mark.parametrize("side", [1, -1])
+def test_a_target_from_so_far_aside_that_its_centre_hides_a_flank_is_found(finder: TargetFinder, side: int) -> None:
+    found = 0
+    for seed in range(5200, 5220):
+        rng = np.random.default_rng(seed)
+        to = radians(rng.uniform(-10, 10))
+        at = rng.uniform(0.7, 1.3), to, to + side * radians(rng.uniform(58, 66))
+        pose = finder.find(draw(CAMERA, surfaces(at), rng, flaws(rng))).pose
+        if pose:
+            found += 1
+            assert not is_wrong(pose, at), (seed, pose, at)
+    assert found >= 16
+
+
 def test_the_pose_of_a_target_off_the_axis_in_a_tilted_camera(finder: TargetFinder) -> None:
     tilt = radians(12)
     corners = quads(1.5, 0.3, 0.25, radians(20))

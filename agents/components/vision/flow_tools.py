@@ -93,19 +93,21 @@ class FlowTools(ImageTools):
                 self._estimator.update(small, GAP)
             return {"interval": None, "trouble": self.trouble}
         if self._estimator:
-            compared = self._contact(self._estimator, small, dt, motion)
+            compared = self._contact(self._estimator, small, dt, motion, options.ahead)
         elif options.method == "dense":
             compared = _without_times(*_sampled(dense_flow(before[0], small)), dt, options.columns)
         else:
             points, flow = sparse_flow(before[0], small)
             compared = _without_times(points, flow, dt, options.columns)
             if self._geometry is not None and motion.yaw is not None:
-                compared = _with_times(self._geometry, compared, motion, options.columns)
+                compared = _with_times(self._geometry, compared, motion, options)
         scale = image.width / width
         return self._described(compared, camera, motion, options, scale, width)
 
-    def _contact(self, estimator: ContactEstimator, small: Pixels, dt: float, motion: CameraMotion) -> _Compared:
-        result = estimator.update(small, dt, motion.yaw, motion.pan, motion.tilt)
+    def _contact(
+        self, estimator: ContactEstimator, small: Pixels, dt: float, motion: CameraMotion, ahead: float
+    ) -> _Compared:
+        result = estimator.update(small, dt, motion.yaw, motion.pan, motion.tilt, motion.way(dt, ahead))
         assert result is not None  # it has taken an image before
         points, flow = _sampled(result.flow)
         rates = 1.0 / result.times  # infinite where nothing comes nearer
@@ -144,6 +146,7 @@ class FlowTools(ImageTools):
             "trouble": trouble,
             "method": options.method,
             "interval": known(compared.interval),
+            "ahead": options.ahead,
             "yaw": None if compared.yaw is None else known(compared.yaw),
             "rotation": rotation,
             "bearings": bearings,
@@ -176,14 +179,15 @@ def _without_times(points: Floats, flow: Floats, dt: float, columns: int) -> _Co
     return _Compared(points, flow, None, dt, None, unknown, unknown)
 
 
-def _with_times(geometry: FlowGeometry, compared: _Compared, motion: CameraMotion, columns: int) -> _Compared:
+def _with_times(geometry: FlowGeometry, compared: _Compared, motion: CameraMotion, options: FlowOptions) -> _Compared:
     """Return the same with times: in each column the median over the corners in a strip at the horizon."""
     assert motion.yaw is not None
+    columns, travel = options.columns, motion.yaw / 2.0 - motion.pan + motion.slip(options.ahead)
     strip = ContactParameters(columns)
     at = np.rint(compared.points).astype(int)
     rows, across = at[:, 1], at[:, 0]
     translation = compared.flow - geometry.of_rotation(yaw_vector(motion.yaw, motion.tilt))[rows, across]
-    expansion = geometry.of_expansion((tan(motion.yaw / 2.0 - motion.pan), -tan(motion.tilt)))[rows, across]
+    expansion = geometry.of_expansion((tan(min(max(travel, -1.2), 1.2)), -tan(motion.tilt)))[rows, across]
     square = (expansion**2).sum(axis=1)
     rate = (translation * expansion).sum(axis=1) / np.maximum(square, 1e-9) / compared.interval
     elevation = np.arctan(geometry.slopes[rows, across, 1]) + motion.tilt

@@ -1,9 +1,11 @@
 """What the robot does to fetch an object, decided on exact readings."""
 
-from math import dist
+from math import cos, dist, hypot, pi, sin
 
+import numpy as np
 import pytest
 
+from apps.fetch.floor import Disc, FetchFloor
 from apps.fetch.states import FetchState
 from geometry import Pose2D, Twist2D
 from tests.apps.fetch.toy import SETTINGS, Thing, ToyRobot
@@ -115,13 +117,13 @@ def test_the_robot_stands_without_images_and_goes_on_when_they_return() -> None:
 def test_a_wall_before_an_object_makes_it_unreachable() -> None:
     toy = ToyRobot.among(Thing(2.5, 0.0))
     discs = [Pose2D(0.16, 0.0, turn / 10.0) for turn in range(-15, 16)]
-    for _ in range(200):
+    while toy.time < 80.0 and not any("left: " in each for each in toy.told):
         toy.step()
         fence = [ring(toy.pose.compose(each), (2.5, 0.0), 0.6) for each in discs]
         toy.fetcher.floor.hear(toy.time, toy.pose, discs, fence, toy.fetcher.ignored(toy.pose))
         assert dist((toy.pose.x, toy.pose.y), (2.5, 0.0)) > 0.9
-    toy.run(60.0)
-    assert any("left: " in each for each in toy.told) or toy.fetcher.state is FetchState.GIVEN_UP
+    assert any("left: " in each for each in toy.told), toy.told
+    assert toy.orders in ([], ["deploy"], ["deploy", "open"]), "it grips nothing"
 
 
 def ring(disc: Pose2D, middle: tuple[float, float], radius: float) -> float:
@@ -129,6 +131,41 @@ def ring(disc: Pose2D, middle: tuple[float, float], radius: float) -> float:
     x, y = disc.locate(*middle)
     square = radius**2 - y**2
     return x - float(square**0.5) if square > 0.0 and x > radius else float("inf")
+
+
+def test_a_robot_that_is_stuck_with_its_object_backs_off_and_takes_another_way() -> None:
+    toy = ToyRobot.among(Thing(2.0, 0.0), place=(-1.5, 0.0))
+    toy.narrow = 0.4, 0.0
+    assert toy.run(250.0) is FetchState.DELIVERED, toy.told
+    assert "backs off with the object: there is no room on the way" in toy.told
+    assert toy.orders == ["deploy", "close", "up", "down", "open"], "it keeps the object"
+
+
+def test_a_robot_that_is_stuck_with_its_object_again_and_again_gives_up() -> None:
+    toy = ToyRobot.among(Thing(2.0, 0.0), place=(-1.5, 0.0))
+    toy.narrow = -1.0, 0.0
+    place = toy.fetcher.place
+    while toy.time < 400.0 and not toy.fetcher.has_ended:
+        toy.step()
+        x, y = toy.pose.x - place[0], toy.pose.y - place[1]
+        toy.narrow = place[0] + 0.9 * x / hypot(x, y), place[1] + 0.9 * y / hypot(x, y)  # a ring about the place
+    assert toy.fetcher.state is FetchState.GIVEN_UP
+    assert "the place cannot be reached; the robot holds the object" in toy.fetcher.reason
+    assert sum("backs off with the object" in each for each in toy.told) == SETTINGS.attempts
+
+
+def test_no_way_leads_through_a_place_where_the_robot_was_stuck_unless_there_is_no_other_one() -> None:
+    robot, goal = Pose2D(), (3.0, 0.0)
+    floor = FetchFloor(SETTINGS)
+    way = floor.standoff(robot, goal, 0.75, 0.3, ())
+    assert way is not None
+    floor.bar(robot, way)
+    other = floor.standoff(robot, goal, 0.75, 0.3, ())
+    assert other is not None
+    assert max(abs(y) for _, y in other) > 0.25 > max(abs(y) for _, y in way)
+    wall = [Disc(3.0 + 0.5 * cos(turn), 0.5 * sin(turn), 0.05) for turn in np.linspace(-pi, pi, 40)]
+    assert floor.standoff(robot, goal, 0.75, 0.3, wall) is None
+    assert floor.standoff(robot, goal, 0.75, 0.3, ()) == way
 
 
 @pytest.mark.parametrize("side", [1.0, -1.0])

@@ -1,6 +1,7 @@
 """A robot with a gripper among objects on a floor without walls, as the fetcher has it: no images, no physics."""
 
 from dataclasses import dataclass, field
+from math import hypot
 
 from apps.fetch.fetcher import Fetcher
 from apps.fetch.settings import FetchSettings
@@ -32,6 +33,7 @@ class ToyRobot:
 
     things: on the floor. held: in the gripper. orders: what the gripper was told. blind: why there are no images.
     slips: the gripper closes on nothing, although something is there. wound: the heading without wrapping, rad.
+    narrow: a place near which it cannot drive forward while it carries something.
     """
 
     fetcher: Fetcher
@@ -42,6 +44,7 @@ class ToyRobot:
     blind: str = ""
     slips: bool = False
     wound: float = 0.0
+    narrow: Point | None = None
     time: float = 0.0
     told: list[str] = field(default_factory=list)
     last: FetchOrders | None = None
@@ -74,9 +77,16 @@ class ToyRobot:
             self.told.append(f"{orders.state.value}: {orders.reason}")
         if orders.gripper:
             self._move(orders.gripper)
-        self.pose = integrate(self.pose, orders.twist, PERIOD)
-        self.wound += orders.twist.angular * PERIOD
+        twist = Twist2D(min(orders.twist.linear, 0.0), 0.0) if self._is_stuck() else orders.twist
+        self.pose = integrate(self.pose, twist, PERIOD)
+        self.wound += twist.angular * PERIOD
         return orders.twist
+
+    def _is_stuck(self) -> bool:
+        if self.narrow is None or self.held is None:
+            return False
+        x, y = self.pose.locate(*self.narrow)
+        return x > 0.0 and hypot(x, y) < 0.4
 
     def _seen(self) -> list[ObjectSighting]:
         found = []

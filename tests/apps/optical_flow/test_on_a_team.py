@@ -79,7 +79,7 @@ def test_the_robot_stops_when_the_application_is_killed(team: RunningTeam, tmp_p
 def test_ctrl_c_stops_the_robot_and_leaves_a_summary_pictures_and_the_agent_as_it_was(
     team: RunningTeam, tmp_path: Path
 ) -> None:
-    assert team.acromovi("ask", "flow@bart", "configure", "method=sparse", "columns=20").returncode == 0
+    assert team.acromovi("ask", "flow@bart", "configure", "method=sparse", "columns=20", "ahead=0.3").returncode == 0
     with wandering(team, tmp_path) as process:
         time.sleep(2.0)  # of film
         process.send_signal(signal.SIGINT)
@@ -92,7 +92,7 @@ def test_ctrl_c_stops_the_robot_and_leaves_a_summary_pictures_and_the_agent_as_i
     assert (tmp_path / "optical-flow.svg").read_text().startswith("<?xml")
     assert (tmp_path / "optical-flow.gif").read_bytes().startswith(b"GIF")
     result = json.loads(team.acromovi("ask", "flow@bart", "read").stdout)
-    assert (result["method"], len(result["flow"]), "vectors" in result) == ("sparse", 20, False)
+    assert (result["method"], len(result["flow"]), "vectors" in result, result["ahead"]) == ("sparse", 20, False, 0.3)
 
 
 def test_as_an_agent_it_answers_requests_and_the_robot_stops_when_it_freezes(team: RunningTeam, tmp_path: Path) -> None:

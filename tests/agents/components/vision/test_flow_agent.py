@@ -2,14 +2,14 @@
 
 import asyncio
 import json
-from math import cos, pi, sin
+from math import atan2, cos, pi, sin
 from typing import Any
 
 import numpy as np
 import pytest
 
 from agents.components.vision.flow_agent import FlowAgent
-from agents.components.vision.flow_inputs import LONGEST, HeadingHistory
+from agents.components.vision.flow_inputs import LONGEST, CameraMotion, HeadingHistory
 from agents.platform import Ending
 from benchmarks.vision_drawing import Camera, Room
 from bus import Sample, keys, messages
@@ -100,9 +100,17 @@ def test_rotation_is_in_the_flow_and_not_in_the_translation() -> None:
     play(story, **KNOWN)
 
 
+def test_a_camera_that_is_metres_away_from_the_axle_is_refused() -> None:
+    async def story(at: Desk) -> None:
+        assert "up to 2 m before or behind the axle, not 3 m" in (await at.ask("configure", ahead=3.0)).why
+        assert (await at.value("configure", ahead=-0.2))["ahead"] == -0.2
+
+    play(story, **KNOWN)
+
+
 def test_sparse_flow_has_vectors_and_times_too() -> None:
     async def story(at: Desk) -> None:
-        options = {"method": "sparse", "columns": 8, "vectors": True}
+        options = {"method": "sparse", "columns": 8, "vectors": True, "ahead": 0.1}
         assert await at.value("configure", **options) == options
         assert json.loads(json.dumps(at.agent.pack())) == options
         results, true = await drive(at, 3, speed=1.0)
@@ -198,6 +206,13 @@ def test_wrong_options_are_refused_and_a_missing_camera_is_told(monkeypatch: pyt
         assert "two images that can be compared: is the camera of happy there?" in outcome.why
 
     play(story)
+
+
+def test_a_camera_before_the_axle_is_carried_sideways_in_turns() -> None:
+    motion = CameraMotion(0.02, speed=0.2, turn=0.4)
+    assert motion.way(0.1, 0.25) == pytest.approx((0.02, 0.01))
+    assert motion.slip(0.25) == pytest.approx(atan2(0.1, 0.2))
+    assert CameraMotion(0.02, turn=0.4).slip(0.25) == 0.0, "a turn on the spot has no direction of travel"
 
 
 def test_headings_between_and_shortly_after_odometry_are_known_across_a_full_turn() -> None:
