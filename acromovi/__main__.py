@@ -4,6 +4,7 @@ import argparse
 import os
 import signal
 import sys
+import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from types import FrameType
@@ -93,8 +94,10 @@ def main(argv: Sequence[str] | None = None) -> int:
         sys.stdout.flush()  # here, where a reader that has gone is no error
         return code
     except KeyboardInterrupt:
+        _forget_coroutines()
         return 128 + signal.SIGINT
     except _Terminated:
+        _forget_coroutines()
         return 128 + signal.SIGTERM
     except BrokenPipeError:  # the reader, `head` for example, has had enough
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
@@ -102,6 +105,11 @@ def main(argv: Sequence[str] | None = None) -> int:
     except _user_errors() as err:
         print(f"acromovi {arguments.command}: {err}", file=sys.stderr)
         return 1
+
+
+def _forget_coroutines() -> None:
+    """Say nothing of a coroutine that a signal kept from being given to its loop: the program ends anyway."""
+    warnings.filterwarnings("ignore", "coroutine .* was never awaited", RuntimeWarning)
 
 
 def _parser() -> CommandParser:

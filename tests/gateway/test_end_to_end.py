@@ -1,5 +1,6 @@
 """The programs themselves: an emulated robot on a real port, a gateway process, Zenoh between it and the test."""
 
+import re
 import select
 import signal
 import subprocess
@@ -218,6 +219,8 @@ def test_line_on_the_terminal_says_who_is_connected_and_where(name: str, plain: 
     command = [sys.executable, "-m", "gateway", plain.port, "--name", f"{name}-b"]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
         assert process.stdout is not None
-        assert process.stdout.readline() == f"connected to {name} (p3dx-sh) at 9600 bit/s; keys under {name}-b/\n"
+        line = process.stdout.readline()
+        # On a busy machine the robot may answer too late for the first rate; a pseudo-terminal works with any.
+        assert re.fullmatch(rf"connected to {name} \(p3dx-sh\) at \d+ bit/s; keys under {name}-b/\n", line)
         process.terminate()
         assert exit_code(process, LIMIT) == 0
