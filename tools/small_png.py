@@ -10,5 +10,5 @@ COLOURS = 200  # in the palette
 def make_small(path: Path) -> None:
     """Write a PNG anew with few colours, without transparency."""
     with Image.open(path) as image:
-        small = image.convert("RGB").quantize(COLOURS, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
+        small = image.convert("RGB").quantize(COLOURS, dither=Image.Dither.NONE)
     small.save(path, optimize=True)
