@@ -132,7 +132,7 @@ ELSEWHERE = {
     "pytest pty_tests --port /dev/ttyUSB0 --report report.json": "it is for a real robot",
     "python -m benchmarks stop_proof": "it is a benchmark, which takes minutes",
     "python -m benchmarks crowd headless": "it is a benchmark, which takes minutes",
-    "python -m benchmarks optical_flow fetch --seeds 100-103 --drive-minutes 2 --jobs 1": "it is a benchmark, which takes minutes",
+    "python -m benchmarks optical_flow fetch --seeds 100-103 --drive-minutes 2 --jobs 1": "it is a benchmark, too",
     "python -m benchmarks --peer 127.0.0.1:8101 --peer-pid 4711": "tests/benchmarks/test_compare.py",
 }
 """Commands that no test of the pages runs, and why: another test does, or nothing but people can."""
