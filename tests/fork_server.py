@@ -123,7 +123,7 @@ def _take(descriptors: list[int], numbers: list[int]) -> None:
 
 def _stream(number: int, mode: str) -> io.TextIOWrapper | None:
     """Make a standard stream as the interpreter does; None where there is none."""
-    with suppress(OSError):
+    with suppress(OSError):  # the program was started without this stream, as a daemon is
         errors = "backslashreplace" if number == 2 else "strict"
         file = open(number, mode + "b", closefd=False)  # noqa: SIM115  # a descriptor, for the whole life
         return io.TextIOWrapper(file, errors=errors, line_buffering=number == 2 or os.isatty(number))

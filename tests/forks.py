@@ -142,7 +142,7 @@ def pytest_configure(config: pytest.Config) -> None:
     """Start programs as copies from now on."""
     original = getattr(subprocess, "_fork_exec", None)
     if sys.platform == "linux" and original is not None and not config.getoption("--no-forks"):
-        subprocess._fork_exec = Forks(original)  # type: ignore[attr-defined]  # it is subprocess's own
+        subprocess._fork_exec = Forks(original)  # type: ignore[attr-defined]  # private: the stubs do not have it
         # The other way to start a program, which Python 3.13 prefers; its documentation says to switch it off so.
         subprocess._USE_POSIX_SPAWN = False  # type: ignore[misc]  # the stubs have it final
 
@@ -151,5 +151,5 @@ def pytest_unconfigure() -> None:
     """Start programs as ever."""
     forks = getattr(subprocess, "_fork_exec", None)
     if isinstance(forks, Forks):
-        subprocess._fork_exec = forks.fork_exec  # type: ignore[attr-defined]  # it is subprocess's own
+        subprocess._fork_exec = forks.fork_exec  # type: ignore[attr-defined]  # private: the stubs do not have it
         forks.close()

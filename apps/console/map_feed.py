@@ -275,7 +275,7 @@ class MapFeed:
         """Look at layout, frames and what lasers have seen."""
         robots = self._robots.robots
         if self._emulator is not None:
-            await self.places.ask(self._emulator, robots, time.monotonic())
+            await self.places.ask(self._emulator, robots, time.monotonic(), is_watched=bool(self._watching))
         if self._people is not None and self._watching:
             await self._people.look(time.monotonic())
         self.locating.look()

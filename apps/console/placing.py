@@ -99,7 +99,9 @@ class FramePlaces:
             "mean nothing. Start the console with --team to place them."
         )
 
-    async def ask(self, emulator: EmulatorControl, robots: Mapping[str, WatchedRobot], now: float) -> None:
+    async def ask(
+        self, emulator: EmulatorControl, robots: Mapping[str, WatchedRobot], now: float, *, is_watched: bool
+    ) -> None:
         """Ask the emulator for the places of emulated robots that are not known yet, or have changed.
 
         They change with a gateway, whose odometry begins anew, and when somebody puts the robot somewhere else.
@@ -108,11 +110,12 @@ class FramePlaces:
             emulator: Whose robots they may be.
             robots: All that are known.
             now: s of a steady clock.
+            is_watched: Whether somebody looks; otherwise only robots are asked for that are not known yet.
         """
         emulated = {name: robot for name, robot in robots.items() if robot.is_emulated and robot.is_connected}
         identities = {name: str(robot.description.get("identity", "")) for name, robot in emulated.items()}
         is_new = any(self._identity(name) != identity for name, identity in identities.items())
-        if not emulated or (now < self._again_at and not is_new):
+        if not emulated or not (is_new or (is_watched and now >= self._again_at)):
             return
         self._again_at = now + _AGAIN
         try:

@@ -47,8 +47,9 @@ class Shown:
     def __init__(self, **robots: Robot) -> None:
         self.places, self.emulator, self.robots = FramePlaces({}), Emulator(), robots
 
-    def at(self, now: float) -> Pose2D | None:
-        asyncio.run(self.places.ask(self.emulator, self.robots, now))  # type: ignore[arg-type]  # played
+    def at(self, now: float, *, is_watched: bool = True) -> Pose2D | None:
+        asking = self.places.ask(self.emulator, self.robots, now, is_watched=is_watched)  # type: ignore[arg-type]  # played
+        asyncio.run(asking)
         return self.places.of("happy")
 
 
@@ -79,6 +80,13 @@ def test_the_emulator_is_asked_once_a_second_for_all_robots_together() -> None:
     for now in (0.0, 0.3, 0.6, 0.9, 1.2):
         shown.at(now)
     assert shown.emulator.asked == ["truth", "truth"]
+
+
+def test_a_map_at_which_nobody_looks_costs_one_question_for_each_gateway() -> None:
+    shown = Shown(happy=Robot())
+    for now in (0.0, 2.0, 4.0):
+        shown.at(now, is_watched=False)
+    assert shown.emulator.asked == ["truth"]
 
 
 @pytest.mark.parametrize("robot", [Robot(is_emulated=False), Robot(is_connected=False), Robot(pose=None)])

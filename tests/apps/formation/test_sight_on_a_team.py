@@ -46,7 +46,9 @@ def formation(team: RunningTeam, folder: Path) -> "Iterator[subprocess.Popen[str
     words = ["formation", "leader=happy", "followers=doc", "shape=column", "poses=sight", "film=drive.gif"]
     # What the leader's program prints is not what is tested.
     with subprocess.Popen(
-        [sys.executable, *LEAD, "--bus", team.profile], cwd=ROOT, stdout=subprocess.DEVNULL
+        [sys.executable, *LEAD, "--bus", team.profile],
+        cwd=ROOT,
+        stdout=subprocess.DEVNULL,  # lines for people
     ) as leading:
         try:
             with application(team, folder, words, ["doc"]) as process:

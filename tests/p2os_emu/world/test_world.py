@@ -141,8 +141,8 @@ def test_how_often_a_robot_was_put_elsewhere_is_counted(model: Models, make_worl
     world = make_world(load_world("office"))
     world.add_robot("robot", model("p3dx"))
     counts = [world.placed("robot")]
-    for place in (Pose2D(8.3, 6.1), Pose2D(8.3, 6.1, 1.0), Pose2D()):  # the last one is in a wall
-        with suppress(WorldError):
+    for place in (Pose2D(8.3, 6.1), Pose2D(8.3, 6.1, 1.0), Pose2D()):
+        with suppress(WorldError):  # the last one is refused, and must not be counted
             world.place("robot", place)
         counts.append(world.placed("robot"))
     assert counts == [0, 1, 2, 2]

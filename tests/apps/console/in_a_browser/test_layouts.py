@@ -1,7 +1,6 @@
 """Every page at the width of a phone, in both themes: nothing is cut or too wide, all can be read and has a name."""
 
 from collections.abc import Iterator
-from contextlib import suppress
 from pathlib import Path
 
 import pytest
@@ -10,6 +9,7 @@ from playwright.sync_api import ViewportSize
 from tests.apps.console.in_a_browser.browsing import ConsoleTab, choose
 from tests.apps.console.in_a_browser.conftest import SIZE
 from tests.apps.web.browsing import needs_chromium
+from tests.waiting import Deadline
 
 pytestmark = needs_chromium
 AUDIT = Path(__file__).with_name("audit.js").read_text()
@@ -51,10 +51,13 @@ def test_a_page_fits_a_phone_and_can_be_read_in_both_themes(phone: ConsoleTab, p
     bring_into_use(phone, path)
     for dark in (False, True):
         phone.page.evaluate("(dark) => Quasar.Dark.set(dark)", dark)
-        phone.page.wait_for_timeout(1000)  # ms, in which colours have changed, unless the machine is busy
-        with suppress(AssertionError):  # what has not become right by then is told below
-            phone.wait(lambda: phone.page.evaluate(AUDIT) == [], "all is right")
-        assert phone.page.evaluate(AUDIT) == [], f"{path}, dark: {dark}"
+        deadline = Deadline()
+        while True:
+            phone.page.wait_for_timeout(1000)  # ms, in which colours have changed, unless the machine is busy
+            found = phone.page.evaluate(AUDIT)
+            if not found or deadline.has_passed():
+                break
+        assert found == [], f"{path}, dark: {dark}"
 
 
 def test_the_audit_finds_what_is_too_wide_and_what_cannot_be_read_or_named(phone: ConsoleTab) -> None:
