@@ -108,7 +108,8 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def _forget_coroutines() -> None:
-    """Say nothing of a coroutine that a signal kept from being given to its loop: the program ends anyway."""
+    """Say nothing of a coroutine that a signal kept from being given to its loop."""
+    # The program ends now, so it makes no difference that the coroutine does not run.
     warnings.filterwarnings("ignore", "coroutine .* was never awaited", RuntimeWarning)
 
 

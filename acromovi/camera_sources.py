@@ -48,7 +48,7 @@ def files_of(sources: Sequence[str]) -> list[Path]:
     """
     files: list[Path] = []
     for source in sources:
-        named = [source] if Path(source).is_file() else sorted(glob(source))  # noqa: PTH207 - absolute ones as well
+        named = [source] if Path(source).is_file() else sorted(glob(source))  # noqa: PTH207  # absolute ones as well
         found = [Path(each) for each in named]
         if len(sources) == 1 and not found and (_is_address(source) or _ROBOT.fullmatch(source)):
             return []

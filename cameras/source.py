@@ -76,7 +76,7 @@ def _split(where: str) -> SplitResult:
         raise CameraNotUsable("the camera is empty text; give http://HOST:PORT/PATH, or a device as /dev/video0")
     try:
         parts = urlsplit(where)
-        parts.port  # noqa: B018 - it is read here to see that it can be
+        parts.port  # noqa: B018  # it is read here to see that it can be
     except ValueError as error:
         raise CameraNotUsable(f"{where} is no address: {error}; write http://HOST:PORT/PATH") from error
     return parts

@@ -104,7 +104,7 @@ class SharedBus:
             if self._bus is None:
                 with uncollected():
                     # Here and not at the top: loading them takes longer than the whole handshake.
-                    import gateway.robot_on_bus  # noqa: F401 - used once there is a robot, and then without delay
+                    import gateway.robot_on_bus  # noqa: F401  # used once there is a robot, and then without delay
                     from bus import ZenohBus
 
                 self._bus = ZenohBus.open(self._profile)

@@ -77,6 +77,7 @@ def test_programs_begin_without_the_server_when_it_has_died_and_with_another_one
 
 
 def test_what_a_program_leaves_behind_is_not_adopted() -> None:
+    # What is left behind holds none of the pipes to which its parent prints, or nobody would see the parent end.
     leaving = (
         "import subprocess, sys; nothing = subprocess.DEVNULL; "
         "print(subprocess.Popen([sys.executable, '-c', 'input()'], stdin=0, stdout=nothing, stderr=nothing).pid)"

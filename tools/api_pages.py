@@ -14,7 +14,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))  # when it is run as a script
 
-from tools.structure import Module, modules  # noqa: E402 - needs the path
+from tools.structure import Module, modules  # noqa: E402  # needs the path
 
 INDEX = Path("docs/api.md")
 PAGES = Path("docs/api")

@@ -19,7 +19,7 @@ from tests.waiting import Deadline
 HELD_UP = 0.03  # s, three steps of the emulator beyond what its ±5 ms of cadence are
 
 pytest.importorskip("p2os_emu.world", reason="the physics engine is an extra")
-from p2os_emu.world import World, load_world  # noqa: E402 - the engine is an extra
+from p2os_emu.world import World, load_world  # noqa: E402  # the engine is an extra
 
 
 @pytest.fixture(scope="module")

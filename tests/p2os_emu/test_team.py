@@ -91,7 +91,7 @@ def _number(ports: Ports, name: str, expected: int) -> int:
         link = ports.open(name)
     except PortError as error:
         # Another program has the number: which number was tried is still what counts.
-        assert str(expected) in str(error)  # noqa: PT017 - the error is one of two right outcomes
+        assert str(expected) in str(error)  # noqa: PT017  # the error is one of two right outcomes
         return expected
     link.close()
     return int(link.port.rsplit(":", 1)[1])
