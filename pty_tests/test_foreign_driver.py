@@ -3,8 +3,8 @@
 It opens the port anew at each rate it tries, sends CLOSE before the handshake, and shares no code with us.
 """
 
+import threading
 from collections.abc import Callable, Iterator
-from threading import Event
 from typing import Any
 
 import pytest
@@ -18,7 +18,7 @@ pytestmark = [
     pytest.mark.moves,
     # In the office there are echoes nearer than 5 m; without any, Soar waits 5 s for one at every connection.
     pytest.mark.emulate("p3dx-sh@office"),
-    # Soar's reader thread may be caught between its last look at the flag and the closed port, and dies of it.
+    # Soar's threads may be caught between their last look at the flag and the closed port, and die of it.
     pytest.mark.filterwarnings("ignore::pytest.PytestUnhandledThreadExceptionWarning"),
 ]
 
@@ -39,6 +39,7 @@ def connect(site: Site, firmware: Firmware, arcos: Any) -> Iterator[Callable[[],
     if "://" in site.port:
         pytest.skip("Soar opens devices only")
     clients = []
+    others = set(threading.enumerate())
 
     def new_client() -> Any:
         client = arcos.ARCOSClient()
@@ -50,6 +51,8 @@ def connect(site: Site, firmware: Firmware, arcos: Any) -> Iterator[Callable[[],
     for client in clients:
         if client.ser is not None and client.ser.is_open:
             client.disconnect()
+    for thread in set(threading.enumerate()) - others:
+        thread.join(5.0)  # its pulse sleeps for a second; what it dies of afterwards would be another test's warning
     with Client(site.port, site.baud) as ours:
         ours.hang_up()
 
@@ -63,7 +66,7 @@ def until(client: Any, holds: Callable[[dict[str, Any]], object], tries: int = 4
     raise AssertionError(f"not within {tries} SIPs: {client.standard}")
 
 
-def ask(client: Any, event: Event, command: int, argument: int | None = None) -> None:
+def ask(client: Any, event: threading.Event, command: int, argument: int | None = None) -> None:
     event.clear()
     client.send_command(command, argument)
     client.wait_or_timeout(event, 2.0, f"no answer to {command}")

@@ -125,8 +125,10 @@ def _stream(number: int, mode: str) -> io.TextIOWrapper | None:
     """Make a standard stream as the interpreter does; None where there is none."""
     with suppress(OSError):  # the program was started without this stream, as a daemon is
         errors = "backslashreplace" if number == 2 else "strict"
-        file = open(number, mode + "b", closefd=False)  # noqa: SIM115  # a descriptor, for the whole life
-        return io.TextIOWrapper(file, errors=errors, line_buffering=number == 2 or os.isatty(number))
+        by_line = number == 2 or os.isatty(number)
+        at_once = mode == "w" and bool(os.environ.get("PYTHONUNBUFFERED"))
+        file: Any = open(number, mode + "b", 0 if at_once else -1, closefd=False)  # noqa: SIM115  # for all its life
+        return io.TextIOWrapper(file, errors=errors, line_buffering=by_line, write_through=at_once)
     return None
 
 

@@ -21,9 +21,11 @@ T = TypeVar("T")
 TRIES = 3
 INTERRUPTED = re.compile(
     r"(has been|was) silent for \d|connection to \S+ was lost|commander lost|lost after \d|is not connected|"
-    r"(been|was) frozen|the machine is too busy"
+    r"(been|was) frozen|the machine is too busy|they are \d+\.\d s apart, and flow needs"
 )
-"""What is said of a motion that was interrupted, and of what an emulator gives up that cannot keep up."""
+"""What is said of a motion that was interrupted, and of what an emulator gives up that cannot keep up.
+
+The last is said of images for which a busy machine took too long."""
 
 
 @pytest.hookimpl(tryfirst=True)  # before pytest-rerunfailures reads it

@@ -58,6 +58,20 @@ def test_a_copy_is_a_child_with_the_folder_environment_and_command_line_that_it_
         assert exit_code(process) == 0
 
 
+def test_a_copy_prints_at_once_where_the_environment_asks_for_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("PYTHONUNBUFFERED", "1")
+    monkeypatch.setenv("P2OS_BUS", private_bus())
+    (tmp_path / "say.py").write_text("def main(team):\n    print('here')\n    team.sleep(60.0)\n", encoding="utf-8")
+    saying = [sys.executable, "-m", "acromovi", "run", "say.py"]
+    with subprocess.Popen(saying, cwd=tmp_path, stdout=subprocess.PIPE, text=True) as process:
+        assert process.stdout is not None
+        assert next(line for line in process.stdout if "here" in line)
+        process.send_signal(signal.SIGINT)
+        assert exit_code(process) == 130
+
+
 def test_a_copy_that_is_killed_is_seen_to_be_killed() -> None:
     with subprocess.Popen(EMULATOR, stdout=subprocess.PIPE, text=True) as process:
         assert process.stdout is not None
