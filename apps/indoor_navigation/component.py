@@ -35,6 +35,7 @@ C = TypeVar("C", bound="Component")
 Method = TypeVar("Method", bound=Callable[..., Any])
 
 QUERY_TIMEOUT = 0.5  # s; components answer at once, so a later reply means that one hangs
+DESCRIPTION_TIMEOUT = 2.0  # s for a gateway to describe its robot
 _HEARS = "_navigation_hears"  # attribute of a method: the kind of data that it receives
 QUEUE_SIZE = 64  # sent data that wait while an earlier one is processed
 

@@ -27,7 +27,6 @@ CREEP_DISTANCE = 0.1  # m that must be free to creep, and that are added to the 
 REAR_MARGIN = 0.06  # m that must be free around the rear to creep back, because few sensors look there
 FULL_PUSH_SPEED = 0.3  # m/s from which on the push has its full strength
 WALKER_REAR = -0.3  # m; walkers farther behind the axle do not slow the robot
-TEAMMATE_REACH = 0.35  # m from the middle of another robot to its corners
 
 
 @dataclass(frozen=True, slots=True)
@@ -177,8 +176,8 @@ def _walkers_way(outline: Outline, walkers: tuple[Floats, Floats]) -> float:
 
 def _teammates_limit(parameters: AvoidanceParameters, outline: Outline, teammates: Closing, are_ahead: Bools) -> float:
     """Return the speed from which the robot stops before other robots that do not brake, m/s."""
-    x, y, speeds = (each[are_ahead] for each in teammates)
-    ways = outline.distance(x, y) - TEAMMATE_REACH - parameters.margin
+    x, y, speeds, reaches = (each[are_ahead] for each in teammates)
+    ways = outline.distance(x, y) - reaches - parameters.margin
     limits = (
         safe_speed(way, parameters.deceleration, parameters.reaction, speed)
         for way, speed in zip(ways.tolist(), speeds.tolist(), strict=True)

@@ -27,6 +27,12 @@ class Outline:
         """Return the outline in the base's description of the robot."""
         return cls(float(robot["front"]), float(robot["rear"]), float(robot["width"]))
 
+    @classmethod
+    def described(cls, description: Mapping[str, Any]) -> Self:
+        """Return the outline in a gateway's description of its robot."""
+        size = description["geometry"]
+        return cls(float(size["length_front"]), float(size["length_rear"]), float(size["width"]))
+
     @property
     def reversed(self) -> "Outline":
         """The outline with front and rear exchanged."""

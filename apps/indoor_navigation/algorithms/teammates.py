@@ -15,10 +15,12 @@ SPEED_FROM, KEPT = 0.25, 0.6  # s between two poses that give a speed, and for w
 FRESH = 0.5  # s after which a pose is no longer used: a robot that is lost shares none
 CLOSING = 0.08  # m/s from which on a robot comes nearer; less may be the error of its localization
 RANGE = 3.0  # m within which robots are looked at
+UNKNOWN_REACH = 0.35  # m from the middle of a robot to its corners while nobody has told its size
 
-Closing = tuple[Floats, Floats, Floats]
-"""Robots that come nearer: x and y of their middles in the frame of this robot, m, and their speeds towards it, m/s."""
-NOBODY: Closing = np.empty(0), np.empty(0), np.empty(0)
+Closing = tuple[Floats, Floats, Floats, Floats]
+"""Robots that come nearer: x and y of their middles in the frame of this robot, m, their speeds towards it, m/s,
+and how far their corners are from their middles, m."""
+NOBODY: Closing = np.empty(0), np.empty(0), np.empty(0), np.empty(0)
 
 
 class Teammates:
@@ -28,9 +30,10 @@ class Teammates:
         """robot: the name of this one."""
         self._robot = robot
         self._poses: dict[str, deque[tuple[float, Pose]]] = {}
+        self._reaches: dict[str, float] = {}
 
     def forget(self) -> None:
-        """Forget all poses."""
+        """Forget all poses; sizes do not change."""
         self._poses.clear()
 
     def see(self, robot: str, pose: Pose, now: float) -> None:
@@ -39,6 +42,10 @@ class Teammates:
         poses.append((now, pose))
         while poses[0][0] < now - KEPT:
             poses.popleft()
+
+    def measure(self, robot: str, reach: float) -> None:
+        """Take the distance of a robot's corners from its middle, m."""
+        self._reaches[robot] = reach
 
     def closing(self, now: float) -> Closing:
         """Return the robots that come nearer; none while this robot is not localized."""
@@ -56,11 +63,11 @@ class Teammates:
             velocity = np.subtract(place[:2], before[1][:2]) / (poses[-1][0] - before[0])
             speed = float(velocity @ to_me) / max(away, 1e-9)
             if away < RANGE and speed > CLOSING:
-                found.append((*place[:2], speed))
+                found.append((*place[:2], speed, self._reaches.get(robot, UNKNOWN_REACH)))
         if not found:
             return NOBODY
-        x, y, speeds = np.array(found).T
-        return *in_robot(here, x, y), speeds
+        x, y, speeds, reaches = np.array(found).T
+        return *in_robot(here, x, y), speeds, reaches
 
     def _latest(self, robot: str, now: float) -> Pose | None:
         """Return the pose of a robot, if it is fresh."""

@@ -10,12 +10,11 @@ import numpy as np
 
 from agents.platform import Cyclic, Restart
 from apps.indoor_navigation.algorithms.pose_history import PoseHistory
-from apps.indoor_navigation.component import Component, Role, hears, reads
+from apps.indoor_navigation.component import DESCRIPTION_TIMEOUT, Component, Role, hears, reads
 from apps.indoor_navigation.data import Floats, LaserRead, Pose, RobotOdometry
 from bus import BusUnavailable, Refused, keys
 from bus.messages import NS_PER_S, LaserScan, stamp_ns
 
-DESCRIPTION_TIMEOUT = 2.0  # s for the gateway to describe the robot
 RETRY_PERIOD = 1.0  # s between two queries for the description
 
 log = logging.getLogger("navigation")

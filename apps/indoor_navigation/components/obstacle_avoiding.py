@@ -1,12 +1,16 @@
 """The component that keeps the robot from touching anything, whatever the other components command."""
 
+import asyncio
+import logging
 from collections import deque
 from contextlib import suppress
 from dataclasses import astuple, dataclass, replace
+from functools import partial
 from math import copysign, inf
 
 import numpy as np
 
+from agents.platform import OneShot
 from apps.indoor_navigation.algorithms.avoidance import AvoidanceParameters, avoid
 from apps.indoor_navigation.algorithms.outline import Outline
 from apps.indoor_navigation.algorithms.perception import Perception, PerceptionParameters
@@ -14,15 +18,18 @@ from apps.indoor_navigation.algorithms.rays import in_robot
 from apps.indoor_navigation.algorithms.surroundings import MEMORY_TIME, Surroundings
 from apps.indoor_navigation.algorithms.teammates import Closing, Teammates
 from apps.indoor_navigation.algorithms.walkers import WalkerMemory
-from apps.indoor_navigation.component import Role, hears, is_told
+from apps.indoor_navigation.component import DESCRIPTION_TIMEOUT, Role, hears, is_told
 from apps.indoor_navigation.components.embodied import Embodied
 from apps.indoor_navigation.data import Floats, LaserRead, MotionCmd, Pose, RobotOdometry, SonarRead, WorldCoord
-from bus import MessageError, Sample, keys
+from bus import BusUnavailable, MessageError, Refused, Sample, keys
 from bus.messages import heading
 
 MIN_TURN_SPEED = 0.03  # rad/s above which the robot turns; below, gyro and odometry drift
 MOST_POSES = 100  # of robots that wait to be used; older ones are dropped
+SIZE_PERIOD = 5.0  # s between two attempts to learn the size of another robot
 TURN_MEMORY = 1.0  # s for which the side of a turn is remembered after the robot came to a stop
+
+log = logging.getLogger("navigation")
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,6 +54,7 @@ class ObstacleAvoiding(Embodied):
         self._odometry: RobotOdometry | None = None
         self._walkers = WalkerMemory()
         self._teammates = Teammates(self.robot)
+        self._measured = {self.robot}  # robots whose sizes are known, or have just been asked for
         self._shared: deque[tuple[Sample, float]] = deque(maxlen=MOST_POSES)  # poses of robots, and when they came
         self.note_awake(f"*/{keys.POSE.suffix}", self._take_pose)
         self._turned, self._turned_at = 0.0, -inf
@@ -142,7 +150,24 @@ class ObstacleAvoiding(Embodied):
             with suppress(MessageError, AttributeError):  # it is no pose; the robot is seen by the sensors only
                 pose = sample.decoded().pose.pose
                 self._teammates.see(robot, (pose.position.x, pose.position.y, heading(pose.orientation)), at)
+                if robot not in self._measured:
+                    self._measured.add(robot)
+                    self.add(OneShot(partial(self._measure, robot)))
         return self._teammates.closing(self._now)
+
+    async def _measure(self, robot: str) -> None:
+        """Learn the size of another robot, which is asked again with a later pose if it has not told it."""
+        try:
+            description = await self.query(keys.DESCRIPTION.key(robot), {}, DESCRIPTION_TIMEOUT)
+            reach = Outline.described(description).sweep
+        except BusUnavailable:
+            raise
+        except (TimeoutError, Refused, LookupError, TypeError, ValueError) as err:
+            log.info("%s: %s has not told its size yet: %r", self.name, robot, err)
+            await asyncio.sleep(SIZE_PERIOD)
+            self._measured.discard(robot)
+        else:
+            self._teammates.measure(robot, reach)
 
     @property
     def _now(self) -> float:

@@ -10,13 +10,12 @@ from agents.platform import Agent, Cyclic, RequestNotDone, Restart
 from agents.services.lease_client import find_arbiter, leased
 from apps.indoor_navigation.algorithms.pose_history import PoseHistory, is_jump
 from apps.indoor_navigation.algorithms.sonar_memory import SonarMemory
-from apps.indoor_navigation.component import Component, Role, answers_query, hears, reads
+from apps.indoor_navigation.component import DESCRIPTION_TIMEOUT, Component, Role, answers_query, hears, reads
 from apps.indoor_navigation.data import MotionCmd, RobotOdometry, SonarRead
 from bus import BusUnavailable, Refused, keys
 from bus.messages import NS_PER_S, Odometry, RangeArray, heading, stamp_ns, twist
 from geometry import Pose2D
 
-DESCRIPTION_TIMEOUT = 2.0  # s for the gateway to describe the robot
 ARBITER_TIMEOUT = 1.0  # s to find an arbiter
 RETRY_PERIOD = 1.0  # s between two queries for the description or the lease
 CHECK_PERIOD = (

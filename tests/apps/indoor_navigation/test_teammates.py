@@ -40,7 +40,7 @@ def test_a_robot_comes_nearer_by_the_part_of_its_speed_that_points_here() -> Non
     drive(team, ROBOT, (1.0, 1.0, pi / 2.0), 0.0, 1.0)
     drive(team, OTHER, (1.0, 3.0, -pi / 2.0), 0.4, 1.0)
     drive(team, THIRD, (0.0, 1.0, pi / 4.0), 0.4, 1.0)
-    x, y, speeds = team.closing(1.0)
+    x, y, speeds, _ = team.closing(1.0)
     assert x == pytest.approx([1.6, 0.4 * sin(pi / 4.0)], abs=1e-6)
     assert y == pytest.approx([0.0, 1.0 - 0.4 * cos(pi / 4.0)], abs=1e-6)
     third = 1.0 - 0.4 * cos(pi / 4.0), -0.4 * sin(pi / 4.0)
@@ -102,6 +102,12 @@ def site() -> Iterator[Site]:
     site = Site(loop)
     body = {"name": ROBOT, "model": "p3dx-sh", "front": 0.21, "rear": 0.3, "width": 0.42, "radius": 0.25}
     site.bus.serve(query_key(ROBOT, BASE, "robot"), lambda arguments: {**body, "limits": {"deceleration": 0.7}})
+    wires = {
+        "hears": [[BASE, "Odometry"], [BASE, "SonarRead"], [LASER, "LaserRead"]],
+        "asks": {"robot": BASE},
+    }
+    site.start(ObstacleAvoiding(f"obstacle_avoiding@{ROBOT}", wires))
+    site.run(0.1)
     yield site
     site.close()
     loop.close()
@@ -113,14 +119,14 @@ def share(site: Site, robot: str, x: float, heading: float) -> None:
     site.bus.put(keys.POSE.key(robot), told)
 
 
+def describe(site: Site, robot: str, length: float, width: float) -> None:
+    """Let the gateway of a robot tell its size."""
+    size = {"length_front": length / 2.0, "length_rear": length / 2.0, "width": width}
+    site.bus.serve(keys.DESCRIPTION.key(robot), lambda arguments: {"name": robot, "geometry": size})
+
+
 def limit_before(site: Site, others: dict[str, float]) -> Any:
     """The speed limit of a robot at the place 0 after two seconds in which others drive to it from so many m away."""
-    wires = {
-        "hears": [[BASE, "Odometry"], [BASE, "SonarRead"], [LASER, "LaserRead"]],
-        "asks": {"robot": BASE},
-    }
-    site.start(ObstacleAvoiding(f"obstacle_avoiding@{ROBOT}", wires))
-    site.run(0.1)
     pushed = site.pushed("obstacle_avoiding", MotionCmd)
     for step in range(20):
         for robot, away in others.items():
@@ -136,6 +142,23 @@ def test_avoiding_slows_the_robot_before_another_one_that_drives_at_it(site: Sit
     limit = limit_before(site, {ROBOT: 0.0, OTHER: 1.9})
     assert limit is not None
     assert limit < 0.3
+    assert not site.reports
+
+
+def test_the_larger_a_robot_is_the_earlier_avoiding_slows_before_it(site: Site) -> None:
+    describe(site, OTHER, 0.4, 0.3)
+    describe(site, THIRD, 0.95, 0.66)
+    small = limit_before(site, {ROBOT: 0.0, OTHER: 2.1})
+    large = limit_before(site, {ROBOT: 0.0, THIRD: 2.1})
+    assert large < small - 0.1
+    assert not site.reports
+
+
+def test_a_robot_that_does_not_tell_its_size_is_asked_again(site: Site) -> None:
+    limit = limit_before(site, {ROBOT: 0.0, OTHER: 2.1})
+    describe(site, OTHER, 0.95, 0.66)
+    site.run(6.0)
+    assert limit_before(site, {ROBOT: 0.0, OTHER: 2.1}) < limit - 0.1
     assert not site.reports
 
 
