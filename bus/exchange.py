@@ -164,6 +164,7 @@ class Replies:
         self._on_reply = guarded(key_expr, on_reply)
         self._on_end = guarded(key_expr, on_end)
         self._answers: dict[str, dict[str, Any]] = {}
+        self._heard: frozenset[str] = frozenset()  # keys of the answers before the query was sent again
         self._refusals: list[str] = []
 
     @property
@@ -171,8 +172,15 @@ class Replies:
         """Whether there was no reply at all."""
         return not self._answers and not self._refusals and self.error is None
 
+    def begin_again(self) -> None:
+        """Expect replies to the same query once more; those of programs that have answered are left out."""
+        self._heard = frozenset(self._answers)
+        self._refusals.clear()
+
     def hear(self, reply: RawReply) -> None:
         """Pass one reply on, or keep its error."""
+        if reply.key in self._heard:
+            return
         if reply.is_error:
             self._refusals.append(_why(reply.payload))
             return

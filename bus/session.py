@@ -267,7 +267,7 @@ class ZenohBus(Bus):
         )
         self._require("query", key_expr)
         with self._usable():
-            query = ZenohQuery(self._declared, get, self._handlers, replies, self._met_at, urgent)
+            query = ZenohQuery(self._declared, get, self._handlers, replies, self._met_at, self._has_met_elders, urgent)
             get(**query.options())
         return query
 

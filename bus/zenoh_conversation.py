@@ -94,7 +94,8 @@ class ZenohQuery(Listening):
     """The initiator's end: open until the replies have ended.
 
     A session that has just been opened may not be connected to the program that serves the key. So a query that gets no
-    reply is sent again until `met_at`.
+    reply is sent again until `met_at`; one to all programs that was sent before the session had met all is sent once
+    more when it has, or at that time.
     """
 
     def __init__(
@@ -104,6 +105,7 @@ class ZenohQuery(Listening):
         handlers: HandlerThread,
         replies: Replies,
         met_at: float,
+        has_met: Callable[[], bool],
         urgent: bool,
     ) -> None:
         super().__init__(declared, self._take)
@@ -112,6 +114,8 @@ class ZenohQuery(Listening):
         self._replies = replies
         self._deadline = time.monotonic() + replies.timeout
         self._met_at = met_at
+        self._has_met = has_met
+        self._is_partial = "*" in replies.key_expr and time.monotonic() < met_at and not has_met()
         self._hand_on: Callable[[object], None] = self.hear if urgent else partial(handlers.post, self)
         self._cancellation = zenoh.CancellationToken()
 
@@ -138,14 +142,35 @@ class ZenohQuery(Listening):
                 self._replies.hear(item)
             case _TimedOut():
                 self._replies.time_out()
+            case None if self._is_partial and time.monotonic() < self._deadline:
+                self._later(self._await_all)
             case None if self._replies.is_silent and time.monotonic() < min(self._met_at, self._deadline):
-                again = threading.Timer(ASK_AGAIN_AFTER, self._send_again)
-                again.daemon = True
-                again.start()
+                self._later(self._send_again)
             case None:
                 super().close()
                 self._replies.end()
 
+    def _later(self, act: Callable[[], None]) -> None:
+        timer = threading.Timer(ASK_AGAIN_AFTER, act)
+        timer.daemon = True
+        timer.start()
+
+    def _await_all(self) -> None:
+        """Send the query once more when the session has met all, or has waited long enough for them."""
+        if not self._is_open:
+            return
+        if self._has_met() or time.monotonic() > self._met_at:
+            self._is_partial = False
+            self._replies.begin_again()
+            self._later(self._send_again)  # after a moment in which those that are met tell what they serve
+        elif time.monotonic() < self._deadline:
+            self._later(self._await_all)
+        else:
+            self._hand_on(None)
+
     def _send_again(self) -> None:
+        if time.monotonic() > self._deadline:
+            self._hand_on(None)
+            return
         with contextlib.suppress(zenoh.ZError):  # the session has been closed meanwhile
             self._get(**self.options())

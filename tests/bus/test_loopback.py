@@ -126,6 +126,29 @@ def test_the_first_query_reaches_everybody(name: str, robot: str) -> None:
             assert len(bus.query(f"{robot}/q/*")) == 4
 
 
+def test_the_first_query_reaches_one_to_which_the_session_is_connected_late(name: str, robot: str) -> None:
+    with ExitStack() as stack:
+        late = serving(stack, name, f"{robot}/q/0")
+        serving(stack, name, f"{robot}/q/1")
+        late.send_signal(signal.SIGSTOP)
+        with ZenohBus.open(f"local:{name}") as bus:
+            threading.Timer(0.5, late.send_signal, (signal.SIGCONT,)).start()
+            answers = bus.query(f"{robot}/q/*", timeout=20.0)
+            assert {answer.key for answer in answers} == {f"{robot}/q/0", f"{robot}/q/1"}
+
+
+def test_one_that_is_stopped_holds_up_nobody_who_asks_all(name: str, robot: str) -> None:
+    with ExitStack() as stack:
+        stopped = serving(stack, name, f"{robot}/q/0")
+        serving(stack, name, f"{robot}/q/1")
+        stopped.send_signal(signal.SIGSTOP)
+        with ZenohBus.open(f"local:{name}") as bus:
+            (answer,) = bus.query(f"{robot}/q/*", timeout=20.0)
+            assert answer.key == f"{robot}/q/1"
+            (answer,) = bus.query(f"{robot}/q/*", timeout=0.2)  # shorter than a session waits for those it has not met
+            assert answer.key == f"{robot}/q/1"
+
+
 def test_one_that_is_stopped_holds_up_nobody_who_opens(name: str, robot: str, until: Until) -> None:
     with ExitStack() as stack:
         stopped = serving(stack, name, f"{robot}/stopped")
