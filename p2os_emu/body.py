@@ -28,7 +28,6 @@ class BodyState(NamedTuple):
     turn_rate: true turning speed of the hull, rad/s counter-clockwise, as a gyro feels it.
     infrared: bit i is clear while infrared sensor i sees something (they are active low).
     far_ledge, near_ledge: a ledge sensor looks over an edge of the floor.
-    docked: the robot stands at a dock, whose power lowered contacts find.
     """
 
     left_travel: float = 0.0
@@ -45,7 +44,6 @@ class BodyState(NamedTuple):
     infrared: int = OPEN_INPUTS
     far_ledge: bool = False
     near_ledge: bool = False
-    docked: bool = False
 
 
 class GripperMechanismState(NamedTuple):
@@ -156,6 +154,10 @@ class Body(Protocol):
 
     def release(self) -> None:
         """Take the power off both motors; the wheels turn as gears and friction let them."""
+
+    @property
+    def is_docked(self) -> bool:
+        """Whether the robot stands at a dock, whose power lowered contacts find."""
 
     def ping(self, discs: Sequence[int]) -> Sequence[float]:
         """Fire sonar discs.

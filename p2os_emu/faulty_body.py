@@ -105,6 +105,11 @@ class FaultyBody:
         """As `Body.arm`."""
         return self._body.arm
 
+    @property
+    def is_docked(self) -> bool:
+        """As `Body.is_docked`."""
+        return self._body.is_docked
+
     def drive(self, left: float, right: float) -> None:
         """As `Body.drive`."""
         self._wanted = left, right

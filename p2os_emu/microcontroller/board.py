@@ -257,10 +257,10 @@ class Board:
         gyro.advance(state.turn_rate, standing, failed, dt)
         return gyro.turned(standing, failed, dt)
 
-    def consume(self, state: BodyState, dt: float) -> None:
+    def consume(self, body: Body, state: BodyState, dt: float) -> None:
         """Once a cycle of `dt`, s: draw from the battery or charge it, and read the compass."""
         charger = self.charger
-        power_came = charger.advance(dt, self.panel.charger_plugged, self.panel.docked or state.docked)
+        power_came = charger.advance(dt, self.panel.charger_plugged, self.panel.docked or body.is_docked)
         if power_came and charger.docking == DockMode.STOP_AT_POWER:
             self.motion.stop()
         self.battery.advance(dt, (state.left_load + state.right_load) / 2, charger.power_good)

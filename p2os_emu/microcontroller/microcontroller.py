@@ -124,7 +124,7 @@ class Microcontroller:
         clock.left -= dt
         if clock.left <= TOLERANCE:
             clock.renew()
-            self._complete_cycle(state)
+            self._complete_cycle(body, state)
         if not self._outbox:
             return b""
         sent = b"".join(self._outbox)
@@ -155,10 +155,10 @@ class Microcontroller:
         elif was_open:
             board.restore()
 
-    def _complete_cycle(self, state: BodyState) -> None:
+    def _complete_cycle(self, body: Body, state: BodyState) -> None:
         """Once a SIP cycle: battery, frames begun and never ended, and the packets of the cycle."""
         board = self.board
-        board.consume(state, self._sip_clock.period)
+        board.consume(body, state, self._sip_clock.period)
         self._handle_frames(b"", board.time)
         if not self.connected or board.in_maintenance:
             return

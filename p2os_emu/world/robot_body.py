@@ -91,9 +91,7 @@ class RobotBody:
         self._magnets = magnets if fit.has("compass") else ()
         self._docks = docks
         self._turns_are_felt = fit.has("gyro") or fit.has("compass")
-        self._looks_around = bool(
-            self._turns_are_felt or self._infrared is not None or self._ledges is not None or self._docks
-        )
+        self._looks_around = bool(self._turns_are_felt or self._infrared is not None or self._ledges is not None)
         self._client = client
         self._floor_id = floor_id
         self._sonar = sonar
@@ -135,6 +133,11 @@ class RobotBody:
         (vx, vy, _), (_, _, angular) = self._client.getBaseVelocity(self.body_id)
         heading = self.pose.heading
         return vx * math.cos(heading) + vy * math.sin(heading), angular
+
+    @property
+    def is_docked(self) -> bool:
+        """Whether it stands at a dock."""
+        return bool(self._docks) and any(dock.reaches(self.pose) for dock in self._docks)
 
     def drive(self, left: float, right: float) -> None:
         """Command the wheel rims, m/s; the motors follow as far as their torque allows."""
@@ -279,8 +282,6 @@ class RobotBody:
             self._ledges.follow(pose)
             far, near = self._ledges.sensed(pose)
             self._state = self._state._replace(far_ledge=far, near_ledge=near)
-        if self._docks:
-            self._state = self._state._replace(docked=any(dock.reaches(pose) for dock in self._docks))
 
     def _joints(self) -> Sequence[tuple[float, float, Any, float]]:
         """Angle (rad), speed (rad/s), forces and motor torque (N m) of each wheel, left first."""

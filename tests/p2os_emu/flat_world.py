@@ -23,6 +23,7 @@ class FlatBody:
 
     gripper: GripperMechanism | None = None
     arm: ArmMechanism | None = None
+    is_docked = False
 
     def __init__(self, track: float, pose: Pose2D) -> None:
         self.pose = pose

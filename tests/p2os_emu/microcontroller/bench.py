@@ -124,6 +124,7 @@ class PlainBody:
 
     gripper: PlainGripper | None = None
     arm: ArmMechanism | None = None
+    is_docked = False
 
     def __init__(self, lag: float = 0.0) -> None:
         self.lag = lag

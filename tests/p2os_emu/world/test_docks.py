@@ -91,5 +91,5 @@ def test_shipped_worlds_with_rooms_have_a_dock_on_which_a_powerbot_fits(
     (dock,) = spec.docks
     body = make_world(spec).add_robot("happy", model("powerbot"), dock.pose)
     body.refresh()
-    assert body.state.docked
+    assert body.is_docked
     assert not body.touched
