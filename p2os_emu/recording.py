@@ -1,8 +1,8 @@
 """Recordings of the bytes on a line with their time and sender: written, read, and replayed to a client.
 
 A file holds one JSON object a line: {"t": s since the start, "from": "host" or "robot", "hex": bytes}. A first line
-{"cassette": 2, "name": ..., "model": ...} may say whose line it was. Of version 1 are the recordings of emulators that
-computed parked robots too.
+{"cassette": 3, "name": ..., "model": ...} may say whose line it was. Its number is that of the format, which tells how
+the emulator computed: until version 2 the engine computed all robots that moved, and in version 1 parked ones too.
 """
 
 import json
@@ -30,9 +30,11 @@ from p2os.handshake import CONNECTION_COMMANDS, ConnectionCommand
 from p2os.sip import SIP_TYPES
 from p2os.wire_log import ConnectionTracker, FrameSource
 
-VERSION = 2
+VERSION = 3
 PARKED_REST_FROM = 2
 """The first version whose emulators let parked robots rest."""
+ENGINE_SPARED_FROM = 3
+"""The first version whose emulators compute by a model of the wheels what nothing can touch."""
 
 
 class RecordingError(ConfigError):
@@ -66,14 +68,13 @@ class _RecordedExchange:
 class Recording:
     """A recording.
 
-    name, model: of the robot, empty where the file does not say. parked_rest: an emulator that did not compute parked
-    robots made it.
+    name, model: of the robot, empty where the file does not say. version: of its format; 1 where the file does not say.
     """
 
     moments: tuple[RecordedBytes, ...]
     name: str = ""
     model: str = ""
-    parked_rest: bool = False
+    version: int = VERSION
 
     def of(self, source: FrameSource) -> list[RecordedBytes]:
         """Return the bytes that one end sent."""
@@ -137,8 +138,8 @@ def read(path: Path) -> Recording:
     if not moments:
         raise RecordingError(f"{path} holds no bytes; record some with p2os-emu --record {path}")
     version = header.get("cassette")
-    parked_rest = isinstance(version, int) and version >= PARKED_REST_FROM
-    return Recording(tuple(moments), str(header.get("name", "")), str(header.get("model", "")), parked_rest)
+    name, model = str(header.get("name", "")), str(header.get("model", ""))
+    return Recording(tuple(moments), name, model, version if isinstance(version, int) else 1)
 
 
 def _moment(entry: Any) -> RecordedBytes:

@@ -1,8 +1,6 @@
 """One robot in the world: the `Body` that its microcontroller drives."""
 
-import math
-from collections.abc import Collection, Iterator, Mapping, Sequence
-from typing import Any
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 
 import numpy as np
 
@@ -15,9 +13,10 @@ from p2os_emu.fit import Fit
 from p2os_emu.gripper_model import gripper_of
 from p2os_emu.world.arm import JointedArm, arm_links
 from p2os_emu.world.chassis import Chassis
-from p2os_emu.world.collision import HULL, WHEELS, build_robot, mass_position, upright
+from p2os_emu.world.collision import HULL, build_robot
 from p2os_emu.world.docks import Dock
-from p2os_emu.world.engine import PhysicsClient, engine
+from p2os_emu.world.drive_train import DriveTrain
+from p2os_emu.world.engine import PhysicsClient
 from p2os_emu.world.gripper import RobotGripper, gripper_links
 from p2os_emu.world.infrared import InfraredRays, sensors_of
 from p2os_emu.world.ledges import LedgeModel, Ledges
@@ -26,12 +25,13 @@ from p2os_emu.world.magnets import Magnet, field_at
 from p2os_emu.world.objects import Objects
 from p2os_emu.world.planar import PlanarScene
 from p2os_emu.world.rays import Hit, Place, cast
+from p2os_emu.world.room import Circle
 from p2os_emu.world.sonar import SonarRays
 from p2os_emu.world.spec import Block
 from p2os_emu.world.touches import Bumper
 
-STANDING = 0.002
-"""m/s or rad/s; a part of a robot that moves no faster stands."""
+LINKS_REACH = 1.5
+"""m that arm and gripper may reach beyond the hull."""
 PARKED_LOOKS = 30
 """Looks at a robot that stands, one in 12 steps, after which it is parked: 3 s.
 
@@ -43,7 +43,7 @@ class RobotBody:
     """Motors, encoders, bumpers and sonar discs of one robot; implements `Body`. Made by `World.add_robot`.
 
     touched: body ids of what hull and accessories touched in the last step, but for the floor.
-    is_resting: it stands, and the engine does not compute it until something moves it.
+    is_resting: it stands, and is not computed until something moves it.
     """
 
     is_resting = False
@@ -68,8 +68,10 @@ class RobotBody:
         scene: PlanarScene,
         rng: np.random.Generator | None,
         docks: Sequence[Dock],
+        put_robots: Callable[[], None],
     ) -> None:
         self._rng = rng
+        self._put_robots = put_robots
         self._objects = objects
         self._name = name
         self._scene = scene
@@ -81,6 +83,7 @@ class RobotBody:
         gripper_parts = gripper_links(gripper, chassis) if gripper else ()
         self.links = joined([arm_parts, gripper_parts])
         self.body_id = build_robot(client, chassis, pose, self.links)
+        self._train = DriveTrain(client, self.body_id, chassis)
         if arm is not None:
             self.arm = JointedArm(client, self.body_id, FIRST, arm, self.wake)
         first = FIRST + len(arm_parts)
@@ -124,15 +127,29 @@ class RobotBody:
     @property
     def pose(self) -> Pose2D:
         """Where the middle of the axle truly is, in the world."""
-        (x, y, _), (qx, qy, qz, qw) = self._client.getBasePositionAndOrientation(self.body_id)
-        return Pose2D(x, y, math.atan2(2 * (qw * qz + qx * qy), 1 - 2 * (qy * qy + qz * qz)))
+        return self._train.pose
 
     @property
     def velocity(self) -> tuple[float, float]:
         """True velocity: m/s forward, rad/s counter-clockwise."""
-        (vx, vy, _), (_, _, angular) = self._client.getBaseVelocity(self.body_id)
-        heading = self.pose.heading
-        return vx * math.cos(heading) + vy * math.sin(heading), angular
+        return self._train.velocity
+
+    @property
+    def is_in_engine(self) -> bool:
+        """Whether the engine computes it, or would if it did not rest."""
+        return self._train.is_in_engine
+
+    @property
+    def senses_by_engine(self) -> bool:
+        """Whether it looks at others through the engine at each step."""
+        return self._infrared is not None or bool(self.links)
+
+    @property
+    def circle(self) -> Circle:
+        """What it can touch, whichever way it turns."""
+        pose, state = self.pose, self._state
+        reach = self.chassis.sweep + (LINKS_REACH if self.links else 0.0)
+        return Circle(pose.x, pose.y, reach, max(abs(state.left_velocity), abs(state.right_velocity)))
 
     @property
     def is_docked(self) -> bool:
@@ -144,14 +161,14 @@ class RobotBody:
         if self._target != (left, right):
             self._target = left, right
             self.wake()
-            self._motors(left / self._left_rim, right / self._right_rim, self._strongest)
+            self._train.drive(left / self._left_rim, right / self._right_rim, self._strongest)
 
     def release(self) -> None:
         """Take the power off both motors; gears and brushes bring the wheels to rest."""
         if self._target is not None:
             self._target = None
             self.wake()
-            self._motors(0.0, 0.0, self.chassis.coasting_torque)
+            self._train.drive(0.0, 0.0, self.chassis.coasting_torque)
 
     def ping(self, discs: Sequence[int]) -> list[float]:
         """Fire sonar discs.
@@ -176,6 +193,7 @@ class RobotBody:
 
     def _cast(self, discs: Sequence[int]) -> tuple[Sequence[Place], Sequence[Hit]]:
         """Return the ends of the rays of discs, m in the world, and what they meet."""
+        self._put_robots()
         starts, ends = self._sonar.rays(discs, self.pose)
         return ends, cast(self._client, starts, ends, self.body_id)
 
@@ -189,20 +207,35 @@ class RobotBody:
 
     def rest_if_parked(self) -> None:
         """Stop simulating the robot if it stands in `PARKED_LOOKS` calls, not driven and in touch with nothing."""
-        if self._target not in (None, (0.0, 0.0)) or self.held is not None or self.touched or self._moves():
+        if self._target not in (None, (0.0, 0.0)) or self.held is not None or self.touched or self._train.moves:
             self._looks_at_rest = 0
             return
         self._looks_at_rest += 1
         if self._looks_at_rest >= PARKED_LOOKS:
             self.is_resting = True
-            self._activate(engine.ACTIVATION_STATE_ENABLE_SLEEPING + engine.ACTIVATION_STATE_SLEEP)
+            if self.is_in_engine:
+                self._train.sleep()
 
     def wake(self) -> None:
         """Simulate the robot again."""
         self._looks_at_rest = 0
         if self.is_resting:
             self.is_resting = False
-            self._activate(engine.ACTIVATION_STATE_WAKE_UP + engine.ACTIVATION_STATE_DISABLE_SLEEPING)
+            if self.is_in_engine:
+                self._train.wake_up()
+
+    def leave_engine(self) -> None:
+        """Let a model of the wheels compute the robot, since nothing can touch it; not one that does more than roll."""
+        if not (self.links or self._ledges is not None or self.is_resting or self.touched):
+            self._train.leave_engine()
+
+    def enter_engine(self) -> None:
+        """Let the engine compute the robot again, since something may touch it."""
+        self._train.enter_engine(asleep=self.is_resting)
+
+    def put(self) -> None:
+        """Put the robot where it is in the engine too, for those who look there."""
+        self._train.put()
 
     def notice(self, *, thoroughly: bool) -> None:
         """Wake a robot that rests if something touches it.
@@ -210,34 +243,21 @@ class RobotBody:
         Args:
             thoroughly: Read the whole machine anew, and wake the robot also if it moves.
         """
+        if not self.is_in_engine:
+            return
         if thoroughly:
             self.refresh()
         elif self._infrared is not None:
             self._look_around(self.pose)
-        if self._touches_anything() or (thoroughly and self._moves()):
+        if self._touches_anything() or (thoroughly and self._train.moves):
             self.wake()
             self.refresh()
 
-    def _moves(self) -> bool:
-        (vx, vy, _), (_, _, turning) = self._client.getBaseVelocity(self.body_id)
-        if max(abs(vx), abs(vy), abs(turning)) > STANDING:
-            return True
-        joints = range(self._client.getNumJoints(self.body_id))
-        states = self._client.getJointStates(self.body_id, list(joints))
-        return any(abs(speed) > STANDING for _, speed, *_ in states)
-
-    def _activate(self, state: int) -> None:
-        self._client.changeDynamics(self.body_id, HULL, activationState=state)
-
     def move_to(self, pose: Pose2D) -> None:
         """Lift the robot and put it down at rest somewhere else; the encoders do not notice."""
-        client = self._client
         self.wake()
         self.lift()
-        client.resetBasePositionAndOrientation(self.body_id, mass_position(pose), upright(pose.heading))
-        client.resetBaseVelocity(self.body_id, [0.0] * 3, [0.0] * 3)
-        for wheel, (angle, *_) in zip(WHEELS, self._joints(), strict=True):
-            client.resetJointState(self.body_id, wheel, angle, 0.0)
+        self._train.place(pose)
         self.refresh()
 
     def lift(self) -> None:
@@ -247,11 +267,16 @@ class RobotBody:
         if self._ledges is not None:
             self._ledges.free()
 
+    def step(self) -> None:
+        """Take the step that the engine has just taken."""
+        self._train.advance()
+        self.refresh()
+
     def refresh(self) -> None:
-        """Read the machine anew; `World.step` does so after every step."""
-        (left, left_speed, _, left_torque), (right, right_speed, _, right_torque) = self._joints()
+        """Read the machine anew."""
+        left, left_speed, left_torque, right, right_speed, right_torque = self._train.wheels
         powered, strongest = self._target is not None, self._strongest
-        contacts = self._hull_contacts()
+        contacts = self._hull_contacts() if self.is_in_engine else {}
         self.touched = {*contacts, *self._bumped_by_links()} if self.links else contacts
         front, rear = self._bumpers(contacts) if contacts else (0, 0)
         if self._gripper is not None:
@@ -272,8 +297,7 @@ class RobotBody:
     def _look_around(self, pose: Pose2D) -> None:
         """Add what sensors see and feel that few robots have."""
         if self._turns_are_felt:
-            _, (_, _, turn_rate) = self._client.getBaseVelocity(self.body_id)
-            self._state = self._state._replace(heading=pose.heading, turn_rate=turn_rate)
+            self._state = self._state._replace(heading=pose.heading, turn_rate=self._train.turn_rate)
         if self._magnets:
             self._state = self._state._replace(magnetic=field_at(self._magnets, pose.x, pose.y))
         if self._infrared is not None:
@@ -282,21 +306,6 @@ class RobotBody:
             self._ledges.follow(pose)
             far, near = self._ledges.sensed(pose)
             self._state = self._state._replace(far_ledge=far, near_ledge=near)
-
-    def _joints(self) -> Sequence[tuple[float, float, Any, float]]:
-        """Angle (rad), speed (rad/s), forces and motor torque (N m) of each wheel, left first."""
-        states: Sequence[tuple[float, float, Any, float]] = self._client.getJointStates(self.body_id, WHEELS)
-        return states
-
-    def _motors(self, left: float, right: float, torque: float) -> None:
-        """Set the speeds (rad/s) the motors strive for, and the most they may give (N m)."""
-        self._client.setJointMotorControlArray(
-            self.body_id,
-            WHEELS,
-            engine.VELOCITY_CONTROL,
-            targetVelocities=[left, right],
-            forces=[torque, torque],
-        )
 
     def _hull_contacts(self) -> dict[int, list[Point]]:
         """Where the hull touches what, m in the world, by body id; the floor does not count."""

@@ -53,7 +53,20 @@ class SceneChanges:
 class Sight:
     """Everything that can be seen in one world."""
 
-    def __init__(self, client: PhysicsClient, light: Callable[[], LightState | None] = lambda: None) -> None:
+    def __init__(
+        self,
+        client: PhysicsClient,
+        light: Callable[[], LightState | None] = lambda: None,
+        put_robots: Callable[[], None] = lambda: None,
+    ) -> None:
+        """Know of nothing yet.
+
+        Args:
+            client: Of the physics engine.
+            light: Returns the light now; None where it never changes.
+            put_robots: Puts robots where they are in the engine too.
+        """
+        self._put_robots = put_robots
         self._client = client
         self._light = light
         self._numbers = itertools.count()
@@ -70,6 +83,7 @@ class Sight:
 
     def news(self, known: set[int]) -> SceneChanges:
         """What somebody has to hear who knows some things already, and where all that can move are now."""
+        self._put_robots()
         unknown = [number for number in self._things if number not in known][:MOST_NEW]
         return SceneChanges(
             {number: (self._things[number].look, self._placed(self._things[number])) for number in unknown},

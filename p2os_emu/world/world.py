@@ -18,6 +18,7 @@ from p2os_emu.world.bystanders import Bystanders
 from p2os_emu.world.chassis import HULL_BOTTOM, HULL_TOP, Chassis, Imperfections
 from p2os_emu.world.collision import HULL, build_blocks, build_floor
 from p2os_emu.world.engine import STEP, PhysicsClient, engine
+from p2os_emu.world.engine_use import EngineUse
 from p2os_emu.world.errors import WorldError
 from p2os_emu.world.leaves import DoorState
 from p2os_emu.world.light import LightCourse, LightState
@@ -45,7 +46,7 @@ class World:
     The same spec, seed and calls give bit-identical states, and each World is apart from all others in the process.
 
     rest_parked: robots that are parked are not computed until they are driven or touched. While all of them are, and
-    nothing else moves, the engine computes nothing.
+    nothing else moves, the engine computes nothing. engine_use: what the engine computes of the rest.
     """
 
     def __init__(self, spec: WorldSpec, *, seed: int = 0, perfect: bool = False, gui: bool = False) -> None:
@@ -82,9 +83,11 @@ class World:
         self._placed: dict[str, int] = {}
         self._names = _names(walls, spec.walls, "a wall") | _names(furniture, spec.furniture, "furniture")
         self._names |= {body: movable.name for body, movable in self.objects.bodies.items()} | self._bystanders.names
+        self.engine_use = EngineUse(spec, self.objects, self._bystanders, self._robots)
+        self.engine_use.is_spared = not gui  # a window shows what the engine computes
         self._scene = PlanarScene((*spec.walls, *spec.furniture), lambda: self.moving)
         self._light = None if spec.light is None else LightCourse(spec.light, seed)
-        self.sight = Sight(self._client, lambda: self.light)
+        self.sight = Sight(self._client, lambda: self.light, self.engine_use.put_robots)
         if gui:
             window.arrange(self._client, spec)
         self.sight.add(self._floor_id, {HULL: floor_look(spec)}, is_fixed=True)
@@ -164,6 +167,7 @@ class World:
             self._scene,
             None if random is None else np.random.default_rng(Random(f"{self._seed} {name} scan").getrandbits(64)),
             self.spec.docks,
+            self.engine_use.put_robots,
         )
         if fit.has("arm"):
             solve_chains(self._client)
@@ -172,6 +176,7 @@ class World:
         self._touches[name] = TouchLog()
         self._placed[name] = 0
         self._moving = None
+        self.engine_use.look_again()
         self._set_still(False)
         self._show(robot.body_id, robot_looks(name, chassis, robot.links, target_of(fit)))
         return robot
@@ -196,20 +201,23 @@ class World:
         if rests and self._is_still:
             self.steps += 1
             return
+        self.engine_use.share(self.steps)
         if self._bystanders:
             self._bystanders.step(
                 lambda: (Footprint.of(robot.chassis.footprint(robot.pose)) for robot in self._robots.values()),
                 lambda: (Footprint.of(thing.footprint) for thing in self.objects.moving()),
             )
-        self._client.stepSimulation()
+        self.engine_use.step(self._client.stepSimulation)
         self.steps += 1
         self._moving = None
         is_look_due = self.steps % LOOK_AT_PARKED == 0
+        if is_look_due:
+            self.engine_use.look_at_things()
         for name, robot in self._robots.items():
             if robot.is_resting:
                 robot.notice(thoroughly=is_look_due)
             else:
-                robot.refresh()
+                robot.step()
                 if is_look_due and self.rest_parked:
                     robot.rest_if_parked()
             if robot.touched:
@@ -280,6 +288,7 @@ class World:
         robot = self._robot(name)
         self._check_free(name, robot.chassis, pose)
         robot.move_to(pose)
+        self.engine_use.look_again()
         self._placed[name] += 1
         self._moving = None
         self._set_still(False)
@@ -322,7 +331,7 @@ class World:
         """Tell whether nothing can move before a robot wakes up; in a window, the mouse moves things."""
         if self._bystanders or self._has_window or not all(robot.is_resting for robot in self._robots.values()):
             return False
-        return self.objects.watch_for_rest()
+        return self.engine_use.things_rest
 
     def _robot(self, name: str) -> RobotBody:
         try:

@@ -128,28 +128,32 @@ def test_place_that_cannot_be_written_is_refused(tmp_path: Path, capsys: pytest.
     assert "choose another path" in capsys.readouterr().err
 
 
-def drive_after_a_pause(*, rest_parked: bool) -> list[RecordedBytes]:
-    """Return both ends of a drive that begins 5 s after the connection, in virtual time."""
+def drive_after_a_pause(version: int) -> list[RecordedBytes]:
+    """Return both ends of a drive that begins 5 s after the connection, computed as in this version."""
     host = [RecordedBytes(0.1 * number, FrameSource.HOST, encode_frame(bytes([number]))) for number in range(3)]
     host += [RecordedBytes(0.4, FrameSource.HOST, encode_command(Command.OPEN))]
-    host += [RecordedBytes(0.5 + second, FrameSource.HOST, encode_command(Command.PULSE)) for second in range(8)]
+    host += [RecordedBytes(0.5 + second, FrameSource.HOST, encode_command(Command.PULSE)) for second in range(12)]
     host += [
         RecordedBytes(0.45, FrameSource.HOST, encode_command(Command.ENABLE, 1)),
         RecordedBytes(5.52, FrameSource.HOST, encode_command(Command.VEL, 0.3)),
+        RecordedBytes(7.02, FrameSource.HOST, encode_command(Command.SETRA, 20.0)),
+        RecordedBytes(7.04, FrameSource.HOST, encode_command(Command.RVEL, 3.0)),
         RecordedBytes(8.0, FrameSource.HOST, encode_command(Command.PULSE)),
     ]
     host.sort()
     recording = Recording(tuple(host), "happy", "p3dx-sh")
     model = configs.load(RobotModel, "robots", "p3dx-sh")
     with World(load_world("empty"), perfect=True) as world:
-        world.rest_parked = rest_parked
+        world.rest_parked = version >= 2
+        world.engine_use.is_spared = version >= 3
         return sorted([*host, *replay(recording, model, world)])
 
 
-@pytest.mark.parametrize("version", [1, 2])
-def test_a_recording_is_checked_as_its_emulator_computed_parked_robots(version: int, tmp_path: Path) -> None:
-    said = drive_after_a_pause(rest_parked=version == 2)
-    assert said != drive_after_a_pause(rest_parked=version == 1), "otherwise nothing is tested here"
+@pytest.mark.parametrize("version", [1, 2, 3])
+def test_a_recording_is_checked_as_its_emulator_computed(version: int, tmp_path: Path) -> None:
+    said = drive_after_a_pause(version)
+    others = [drive_after_a_pause(each) for each in (1, 2, 3) if each != version]
+    assert said not in others, "otherwise nothing is tested here"
     path = tmp_path / "tape"
     lines = [{"cassette": version, "name": "happy", "model": "p3dx-sh"}]
     lines += [{"t": each.time, "from": each.source, "hex": each.data.hex()} for each in said]

@@ -194,7 +194,7 @@ def test_lines_are_plain_json(tmp_path: Path) -> None:
     recorder(1.25, "robot", b"\xfa\xfb")
     recorder.close()
     header, line = map(json.loads, (tmp_path / "tape").read_text().splitlines())
-    assert header == {"cassette": 2, "name": "happy", "model": "p3dx-sh"}
+    assert header == {"cassette": 3, "name": "happy", "model": "p3dx-sh"}
     assert line == {"t": 1.25, "from": "robot", "hex": "fafb"}
 
 

@@ -1,4 +1,4 @@
-"""Saving computing time: parked robots are not computed until they are moved, and people can be stopped."""
+"""Saving computing time: what is parked, and what nothing can touch, is not computed, and people can be stopped."""
 
 from collections.abc import Iterator
 
@@ -180,15 +180,29 @@ def test_where_nothing_moves_the_engine_computes_nothing_and_time_goes_on(
     assert engine.during(world, 2.0) == 0
     assert world.time - began == pytest.approx(2.0)
     first.drive(0.3, 0.3)
-    assert engine.during(world, 1.0) == 120
+    assert engine.during(world, 1.0) == 0, "nothing can touch it"
     assert first.pose.x > 0.2
+    assert engine.during(world, 8.0) > 120, "it has come to the second one"
 
 
-def test_a_world_with_people_is_always_computed(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_people_walk_on_where_the_engine_computes_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     with World(load_world("people-lab"), seed=1) as lab:
         engine = EngineSteps(lab, monkeypatch)
         run(lab, 1.0)
-        assert engine.during(lab, 1.0) == 120
+        before = dict(lab.people())
+        assert engine.during(lab, 1.0) == 0
+        assert dict(lab.people()) != before
+
+
+def test_a_robot_among_people_is_computed(monkeypatch: pytest.MonkeyPatch) -> None:
+    with World(load_world("people-lab"), seed=1) as lab:
+        engine = EngineSteps(lab, monkeypatch)
+        lab.stop_people(True)
+        someone = next(iter(lab.people().values()))
+        model = configs.load(RobotModel, "robots", "p3dx-sh")
+        lab.add_robot("happy", model, Pose2D(someone.x, someone.y - 0.75, 0.0))
+        run(lab, PARKED + 0.5)
+        assert engine.during(lab, 1.0) == 120, "although it is parked: who touches it must be noticed"
 
 
 def test_a_box_that_was_pushed_stays_where_it_came_to_rest_and_is_pushed_again(monkeypatch: pytest.MonkeyPatch) -> None:
