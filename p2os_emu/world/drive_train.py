@@ -20,7 +20,7 @@ STANDING = 0.002
 """m/s or rad/s; a part of a robot that moves no faster stands."""
 
 
-class Wheels(NamedTuple):
+class WheelStates(NamedTuple):
     """Angle, rad, speed, rad/s, and torque of the motor, N m, of each wheel."""
 
     left: float
@@ -80,11 +80,11 @@ class DriveTrain:
         return rate
 
     @property
-    def wheels(self) -> Wheels:
+    def wheels(self) -> WheelStates:
         """Both wheels, after the last step."""
         model = self._model
         if model is not None:
-            return Wheels(
+            return WheelStates(
                 model.left,
                 model.left_speed,
                 model.left_torque,
@@ -94,7 +94,7 @@ class DriveTrain:
             )
         states: Sequence[tuple[float, float, Any, float]] = self._client.getJointStates(self._body, WHEELS)
         (left, left_speed, _, left_torque), (right, right_speed, _, right_torque) = states
-        return Wheels(left, left_speed, left_torque, right, right_speed, right_torque)
+        return WheelStates(left, left_speed, left_torque, right, right_speed, right_torque)
 
     @property
     def moves(self) -> bool:

@@ -5,7 +5,6 @@ from math import atan2
 
 from geometry import Polygon, Pose2D
 from p2os_emu.world.bystanders import Bystanders
-from p2os_emu.world.clearance import Clearance
 from p2os_emu.world.engine import STEP
 from p2os_emu.world.moving_doors import LEAF_THICKNESS
 from p2os_emu.world.objects import Objects
@@ -13,6 +12,7 @@ from p2os_emu.world.people import BODY_RADIUS, MOST_SPEED
 from p2os_emu.world.robot_body import RobotBody
 from p2os_emu.world.room import PERIOD, Circle, RoomWatch
 from p2os_emu.world.spec import WorldSpec, rectangle
+from p2os_emu.world.still_outlines import StillOutlines
 
 LOOK_PERIOD = round(PERIOD / STEP)
 """Steps from one look at which robots have room to the next."""
@@ -42,7 +42,7 @@ class EngineUse:
         self._objects = objects
         self._bystanders = bystanders
         self._robots = robots
-        self._room = RoomWatch(Clearance(_still_outlines(spec)))
+        self._room = RoomWatch(StillOutlines(_still_outlines(spec)))
         self._is_due = True
         self.things_rest = False
 

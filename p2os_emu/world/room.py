@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from p2os_emu.world.clearance import Clearance
+from p2os_emu.world.still_outlines import StillOutlines
 
 PERIOD = 0.05  # s from one look to the next
 MARGIN = 0.03  # m that nothing comes nearer
@@ -28,7 +28,7 @@ class Circle(NamedTuple):
 class RoomWatch:
     """Looks at robots again and again."""
 
-    def __init__(self, still: Clearance) -> None:
+    def __init__(self, still: StillOutlines) -> None:
         """still: what does not move."""
         self._still = still
         self._gaps: dict[str, tuple[float, float, float]] = {}  # by robot: place and distance at the last measurement
@@ -54,7 +54,7 @@ class RoomWatch:
         x, y, gap = self._gaps.get(name, (robot.x, robot.y, 0.0))
         if gap - np.hypot(robot.x - x, robot.y - y) > wanted:
             return True
-        gap = self._still.at(robot.x, robot.y) - robot.reach
+        gap = self._still.distance(robot.x, robot.y) - robot.reach
         self._gaps[name] = robot.x, robot.y, gap
         return gap > wanted
 

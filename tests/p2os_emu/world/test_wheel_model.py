@@ -11,12 +11,12 @@ import configs
 from geometry import Pose2D
 from p2os import RobotModel
 from p2os_emu.world import World, WorldSpec, load_world
-from p2os_emu.world.clearance import FARTHEST, Clearance
 from p2os_emu.world.movable import Movable, Shape
 from p2os_emu.world.people import Person
 from p2os_emu.world.robot_body import RobotBody
 from p2os_emu.world.room import PERIOD, Circle, RoomWatch
 from p2os_emu.world.spec import Block, rectangle
+from p2os_emu.world.still_outlines import FARTHEST, StillOutlines
 
 RATE = 120  # steps in a second
 MODELS = ("p3dx-sh", "powerbot", "amigo", "p2dx", "peoplebot-sh")
@@ -205,11 +205,11 @@ def test_the_clearance_is_the_distance_of_the_nearest_point_of_an_outline(
     parts = np.linspace(0.0, 1.0, 400)[:, None]
     edges = [(np.array(a), np.array(b)) for each in outlines for a, b in zip(each, (*each[1:], each[0]), strict=True)]
     nearest = min(np.hypot(*(a + parts * (b - a) - (x, y)).T).min() for a, b in edges)
-    assert Clearance(outlines).at(x, y) == pytest.approx(min(FARTHEST, nearest), abs=0.02)
+    assert StillOutlines(outlines).distance(x, y) == pytest.approx(min(FARTHEST, nearest), abs=0.02)
 
 
 def test_where_nothing_stands_everything_is_clear() -> None:
-    assert Clearance([]).at(1e5, -3.0) == FARTHEST
+    assert StillOutlines([]).distance(1e5, -3.0) == FARTHEST
 
 
 @given(
@@ -221,7 +221,7 @@ def test_where_nothing_stands_everything_is_clear() -> None:
 def test_a_robot_with_room_cannot_be_touched_before_the_next_look(
     gap: float, speed: float, other_speed: float, has_room_already: bool
 ) -> None:
-    watch = RoomWatch(Clearance([]))
+    watch = RoomWatch(StillOutlines([]))
     if has_room_already:
         assert watch.look({"happy": Circle(0.0, 0.0, 0.4, 0.0)}, []) == {"happy"}
     found = watch.look({"happy": Circle(0.0, 0.0, 0.4, speed)}, [Circle(0.7 + gap, 0.0, 0.3, other_speed)])

@@ -16,7 +16,7 @@ CELL = 1.0
 """m; the edges near a cell of this size are chosen when somebody first asks for a place in it."""
 
 
-class Clearance:
+class StillOutlines:
     """Outlines that do not move."""
 
     def __init__(self, outlines: Iterable[Polygon]) -> None:
@@ -27,7 +27,7 @@ class Clearance:
         self._all = np.stack((ax, ay, ex, ey, np.maximum(ex * ex + ey * ey, 1e-12)))
         self._near: dict[tuple[int, int], Floats] = {}
 
-    def at(self, x: float, y: float) -> float:
+    def distance(self, x: float, y: float) -> float:
         """Return the distance of a place from the nearest edge, m; `FARTHEST` for all that is farther away."""
         cell = floor(x / CELL), floor(y / CELL)
         near = self._near.get(cell)
