@@ -1,6 +1,7 @@
 """Which robots have so much room that nothing can touch them before the next look."""
 
 from collections.abc import Mapping, Sequence
+from math import hypot
 from typing import NamedTuple
 
 import numpy as np
@@ -31,7 +32,7 @@ class RoomWatch:
     def __init__(self, still: StillOutlines) -> None:
         """still: what does not move."""
         self._still = still
-        self._gaps: dict[str, tuple[float, float, float]] = {}  # by robot: place and distance at the last measurement
+        self._away: dict[str, tuple[float, float, float]] = {}  # by robot: a place of it, and the distance from there
         self._with_room: set[str] = set()
 
     def look(self, robots: Mapping[str, Circle], others: Sequence[Circle]) -> set[str]:
@@ -51,12 +52,13 @@ class RoomWatch:
 
     def _is_clear(self, name: str, robot: Circle, wanted: float) -> bool:
         """Return whether what does not move is far enough; it is only measured again when it may not be."""
-        x, y, gap = self._gaps.get(name, (robot.x, robot.y, 0.0))
-        if gap - np.hypot(robot.x - x, robot.y - y) > wanted:
+        x, y, away = self._away.get(name, (robot.x, robot.y, 0.0))
+        least = wanted + robot.reach
+        if away - hypot(robot.x - x, robot.y - y) > least:
             return True
-        gap = self._still.distance(robot.x, robot.y) - robot.reach
-        self._gaps[name] = robot.x, robot.y, gap
-        return gap > wanted
+        away = self._still.distance(robot.x, robot.y)
+        self._away[name] = robot.x, robot.y, away
+        return away > least
 
 
 def _gaps(robots: Sequence[Circle], all_circles: Sequence[Circle]) -> Floats:

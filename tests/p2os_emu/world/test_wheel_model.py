@@ -198,7 +198,7 @@ def test_the_same_seed_and_commands_give_the_same_states() -> None:
     x=st.floats(-5.0, 5.0),
     y=st.floats(-5.0, 5.0),
 )
-def test_the_clearance_is_the_distance_of_the_nearest_point_of_an_outline(
+def test_the_distance_of_outlines_is_that_of_the_nearest_point_of_an_outline(
     boxes: list[tuple[float, float, float, float, float]], x: float, y: float
 ) -> None:
     outlines = [rectangle(Pose2D(bx, by, turned), ahead, ahead, width) for bx, by, turned, ahead, width in boxes]
