@@ -16,6 +16,7 @@ from p2os_emu.pacing import Pacer
 
 _LONGEST_WAIT = 0.1  # s; ports and requests are heard so often at any speed
 _TOGETHER = 0.004  # s of computing that steps may take together; commands that come meanwhile wait
+_SPARE = 0.002  # s that steps taken together end before the next one; waiting for ports may take 1 ms too long
 _ROUNDING = 1e-6  # of a step; times of silence are sums of steps
 _LAST_STEP = STEP / 2  # s; emulated time is a sum of steps, an end is met within half of one
 
@@ -74,7 +75,7 @@ class Runner:
         self._clock = clock
         self._sleep = sleep
         self._pacer = Pacer(STEP, clock(), speed)
-        self._step_cost = 0.0  # s of the last step
+        self._silent_cost = 0.0  # s of each of the last steps that were taken together
         self._is_leaving = False
 
     @property
@@ -123,7 +124,7 @@ class Runner:
                 turn()
             if is_due and not (self.is_paused or self._is_leaving):
                 self._begin_step()
-                self._take_step()
+                self._emulator.step()
 
     def report(self) -> str | None:
         """Return a sentence about load for people, at most one a minute."""
@@ -137,33 +138,31 @@ class Runner:
             for tell in self.when_degraded:
                 tell(self.degradation.level)
 
-    def _take_step(self) -> None:
-        began = self._clock()
-        self._emulator.step()
-        self._step_cost = self._clock() - began
-
     def _pass_silence(self, end: float | None) -> None:
-        """Take the steps in which nothing is sent together: when the last of them is due, or something has come."""
+        """Take the steps in which nothing is sent together: right before the next step, or when something has come."""
         steps = self._silent_steps(math.inf if end is None else end)
         if not steps:
             return
         last = self._pacer.deadline + (steps - 1) * STEP
-        wait = last - self._clock()
+        wait = last + max(0.0, STEP - steps * self._silent_cost - _SPARE) - self._clock()
         if wait > 0:
             self._poller.wait(min(wait, _LONGEST_WAIT))
-        for _ in range(steps):
-            now = self._clock()
-            if now < self._pacer.deadline:
-                break
+        began = now = self._clock()
+        taken = 0
+        while taken < steps and now >= self._pacer.deadline:
             self._pacer.begin(now)
-            self._take_step()
+            self._emulator.step()
+            taken += 1
+            now = self._clock()
+        if taken:
+            self._silent_cost = (now - began) / taken
 
     def _silent_steps(self, end: float) -> int:
         """How many of the next steps may be taken together; the one that passes `end` (emulated time, s) is not."""
         # At another speed, steps either follow each other at once or take longer than ports may go unheard.
         if self.is_paused or self.speed != 1.0 or any(needs() for needs in self.needs_each_step):
             return 0
-        most = _TOGETHER / self._step_cost * STEP if self._step_cost > 0.0 else math.inf
+        most = _TOGETHER / self._silent_cost * STEP if self._silent_cost > 0.0 else math.inf
         silence = min(self._emulator.silence, most, _LONGEST_WAIT, end - self._emulator.time)
         return max(0, math.ceil(silence / STEP - _ROUNDING) - 1)
 
