@@ -24,13 +24,17 @@ _ROUNDING = 1e-9  # of a beam; where two edges meet, a beam must not slip betwee
 
 
 class Edges(NamedTuple):
-    """Edges of outlines that run counter-clockwise: start (x, y) and end (x, y), m, shape (n, 2).
+    """Edges of outlines that run counter-clockwise, each array of shape (n,).
 
-    reflects: of the surfaces. owners: whose they are, -1 for what stands still.
+    x, y: where they start, m. along_x, along_y: from there to where they end, m. lengths: m. reflects: of the surfaces.
+    owners: whose they are, -1 for what stands still.
     """
 
-    starts: Floats
-    ends: Floats
+    x: Floats
+    y: Floats
+    along_x: Floats
+    along_y: Floats
+    lengths: Floats
     reflects: NDArray[np.bool_]
     owners: NDArray[np.int64]
 
@@ -48,7 +52,7 @@ class PlanarScene:
         self._blocks = tuple(blocks)
         self._moving = moving
         self._still: dict[float, Edges] = {}
-        self._cut: dict[float, tuple[Sequence[MovingObject], Edges]] = {}
+        self._cut: dict[float, tuple[Sequence[MovingObject], Edges]] = {}  # all edges, and what moves of them
 
     def cast(self, beams: ScanBeams, pose: Pose2D, own: str) -> Echoes:
         """Follow beams to the first surface.
@@ -63,10 +67,12 @@ class PlanarScene:
         rises = step > 0
         if not rises:
             first, step = first + step * (beams.count - 1), -step
-        echoes = _cast(self._edges(beams.height, own), x, y, first, step, beams.count, beams.reach)
+        edges, index = self._edges(beams.height, own)
+        echoes = _cast(edges, index, x, y, first, step, beams.count, beams.reach)
         return echoes if rises else echoes.reversed()
 
-    def _edges(self, height: float, own: str) -> Edges:
+    def _edges(self, height: float, own: str) -> tuple[Edges, int]:
+        """Return all edges at a height, and the owner of those of a robot; -2 if it has none."""
         still = self._still.get(height)
         if still is None:
             cut = [
@@ -76,40 +82,42 @@ class PlanarScene:
             ]
             still = self._still[height] = _edges(cut)
         moving = self._moving()
-        known, moved = self._cut.get(height, (None, still))
+        known, edges = self._cut.get(height, (None, still))
         if known is not moving:
             cut = [
                 (each.footprint, each.reflector, index)
                 for index, each in enumerate(moving)
                 if each.bottom <= height <= each.top
             ]
-            moved = _edges(cut)
-            self._cut[height] = moving, moved
-        others = moved.owners != next((index for index, each in enumerate(moving) if each.name == own), -1)
-        return Edges(*(np.concatenate((a, b[others])) for a, b in zip(still, moved, strict=True)))
+            edges = Edges(*(np.concatenate((a, b)) for a, b in zip(still, _edges(cut), strict=True)))
+            self._cut[height] = moving, edges
+        return edges, next((index for index, each in enumerate(moving) if each.name == own), -2)
 
 
 def _edges(outlines: Sequence[tuple[Polygon, bool, int]]) -> Edges:
     starts = [corner for outline, _, _ in outlines for corner in outline]
     ends = [corner for outline, _, _ in outlines for corner in (*outline[1:], outline[0])]
     sizes = [len(outline) for outline, _, _ in outlines]
+    x, y = np.array(starts, np.float64).reshape(-1, 2).T.copy()
+    end_x, end_y = np.array(ends, np.float64).reshape(-1, 2).T
     return Edges(
-        np.array(starts, np.float64).reshape(-1, 2),
-        np.array(ends, np.float64).reshape(-1, 2),
+        x,
+        y,
+        end_x - x,
+        end_y - y,
+        np.hypot(end_x - x, end_y - y),
         np.repeat(np.array([reflects for _, reflects, _ in outlines], np.bool_), sizes),
         np.repeat(np.array([owner for _, _, owner in outlines], np.int64), sizes),
     )
 
 
-def _cast(edges: Edges, x: float, y: float, first: float, step: float, count: int, reach: float) -> Echoes:
-    """Beams whose bearings rise."""
-    ax, ay = edges.starts[:, 0] - x, edges.starts[:, 1] - y
-    bx, by = edges.ends[:, 0] - x, edges.ends[:, 1] - y
-    ex, ey = bx - ax, by - ay
-    area = ax * by - ay * bx  # negative where the outside of an edge faces the sensor
-    lengths = np.hypot(ex, ey)
-    seen = np.flatnonzero((area < 0.0) & (-area <= reach * lengths))
-    ax, ay, bx, by, ex, ey, area = (each[seen] for each in (ax, ay, bx, by, ex, ey, area))
+def _cast(edges: Edges, own: int, x: float, y: float, first: float, step: float, count: int, reach: float) -> Echoes:
+    """Follow beams whose bearings rise; own: owner of edges that are not seen."""
+    ax, ay = edges.x - x, edges.y - y
+    area = ax * edges.along_y - ay * edges.along_x  # negative where the outside of an edge faces the sensor
+    seen = np.flatnonzero((area < 0.0) & (area >= -reach * edges.lengths) & (edges.owners != own))
+    ax, ay, area, ex, ey = (each[seen] for each in (ax, ay, area, edges.along_x, edges.along_y))
+    bx, by = ax + ex, ay + ey
 
     # In units of beams: where each edge begins, counter-clockwise from the first beam, and how many it covers.
     begin = (np.arctan2(by, bx) - first) % (2 * pi) / step
@@ -123,15 +131,15 @@ def _cast(edges: Edges, x: float, y: float, first: float, step: float, count: in
     slant = s[beams] * ex[which] - c[beams] * ey[which]  # of beam and edge: the sine between them by the edge's length
     with np.errstate(divide="ignore", invalid="ignore"):
         distances = -area[which] / slant
-    order = np.argsort(-distances, kind="stable")  # the last one written to a beam stays: the nearest
-    order = order[(distances[order] > 0.0) & (distances[order] <= reach)]
+    met = np.flatnonzero((distances > 0.0) & (distances <= reach))
+    order = met[np.argsort(-distances[met], kind="stable")]  # the last one written to a beam stays: the nearest
     ranges = np.full(count, np.inf)
     cosines = np.zeros(count)
     reflects = np.zeros(count, np.bool_)
     hit, nearest = beams[order], which[order]
     ranges[hit] = distances[order]
-    cosines[hit] = slant[order] / lengths[seen][nearest]
-    reflects[hit] = edges.reflects[seen][nearest]
+    cosines[hit] = slant[order] / edges.lengths[seen[nearest]]
+    reflects[hit] = edges.reflects[seen[nearest]]
     return Echoes(ranges, cosines, reflects)
 
 
