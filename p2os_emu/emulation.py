@@ -129,12 +129,13 @@ def _emulate(options: EmulatorOptions) -> None:
 
 def _check(path: Path, options: EmulatorOptions) -> int:
     from p2os_emu.record_and_replay import check
-    from p2os_emu.recording import ENGINE_SPARED_FROM, PARKED_REST_FROM, read
+    from p2os_emu.recording import ENGINE_SPARED_FROM, PARKED_REST_FROM, SONAR_IN_PLANE_FROM, read
 
     with contextlib.closing(_make_world(options)) as world:
         recording = read(path)
         world.rest_parked = recording.version >= PARKED_REST_FROM
         world.engine_use.is_spared = recording.version >= ENGINE_SPARED_FROM
+        world.sonar_in_plane = recording.version >= SONAR_IN_PLANE_FROM
         return EXIT_OK if check(recording, path, options, world) else EXIT_PARTS
 
 

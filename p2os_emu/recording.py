@@ -2,7 +2,8 @@
 
 A file holds one JSON object a line: {"t": s since the start, "from": "host" or "robot", "hex": bytes}. A first line
 {"cassette": 3, "name": ..., "model": ...} may say whose line it was. Its number is that of the format, which tells how
-the emulator computed: until version 2 the engine computed all robots that moved, and in version 1 parked ones too.
+the emulator computed: until version 2 the engine computed all robots that moved and all rays of sonar, and in version 1
+parked robots too.
 """
 
 import json
@@ -35,6 +36,8 @@ PARKED_REST_FROM = 2
 """The first version whose emulators let parked robots rest."""
 ENGINE_SPARED_FROM = 3
 """The first version whose emulators compute by a model of the wheels what nothing can touch."""
+SONAR_IN_PLANE_FROM = 3
+"""The first version whose emulators cast level rays of sonar by arithmetic."""
 
 
 class RecordingError(ConfigError):

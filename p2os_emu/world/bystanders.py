@@ -5,7 +5,9 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from p2os_emu.world.engine import PhysicsClient
 from p2os_emu.world.leaves import DoorState, Leaves
 from p2os_emu.world.look import Look, leaf_look, person_look
+from p2os_emu.world.moving_doors import MovingDoor
 from p2os_emu.world.objects import MovingObject
+from p2os_emu.world.people import Person
 from p2os_emu.world.presence import Footprint
 from p2os_emu.world.spec import WorldSpec
 from p2os_emu.world.walkers import PersonPlace, Walkers
@@ -23,6 +25,11 @@ class Bystanders:
         return self._there_are_any
 
     @property
+    def bodies(self) -> dict[int, Person | MovingDoor]:
+        """Body ids of the engine, and who or what they are."""
+        return {**self._people.bodies, **self._leaves.bodies}
+
+    @property
     def looks(self) -> dict[int, Look]:
         """What each looks like, by body id."""
         people = {body: person_look(person) for body, person in self._people.bodies.items()}
@@ -31,9 +38,7 @@ class Bystanders:
     @property
     def names(self) -> dict[int, str]:
         """What each is called, by body id."""
-        return {
-            body: each.name for bodies in (self._people.bodies, self._leaves.bodies) for body, each in bodies.items()
-        }
+        return {body: each.name for body, each in self.bodies.items()}
 
     def step(self, robots: Callable[[], Iterable[Footprint]], things: Callable[[], Iterable[Footprint]]) -> None:
         """Move them all; the engine sees it in its next step. Who is in the way is only asked where it matters."""

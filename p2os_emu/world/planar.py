@@ -78,7 +78,7 @@ class PlanarScene:
             cut = [
                 (block.footprint, block.reflector, -1)
                 for block in self._blocks
-                if block.bottom <= height <= block.top and not block.glass
+                if block.crosses(height) and not block.glass
             ]
             still = self._still[height] = _edges(cut)
         moving = self._moving()

@@ -24,7 +24,7 @@ from p2os_emu.world.links import FIRST, joined
 from p2os_emu.world.magnets import Magnet, field_at
 from p2os_emu.world.objects import Objects
 from p2os_emu.world.planar import PlanarScene
-from p2os_emu.world.rays import Hit, Place, cast
+from p2os_emu.world.rays import cast
 from p2os_emu.world.room import Circle
 from p2os_emu.world.sonar import SonarRays
 from p2os_emu.world.spec import Block
@@ -50,7 +50,7 @@ class RobotBody:
     _looks_at_rest = 0
     arm: ArmMechanism | None = None
     touched: Collection[int] = ()
-    _echoes: dict[tuple[int, ...], tuple[Sequence[Place], Sequence[Hit]]] | None = None
+    _echoes: dict[tuple[int, ...], Sequence[float]] | None = None
 
     def __init__(
         self,
@@ -179,23 +179,27 @@ class RobotBody:
             One range per disc, m from the disc's face; `inf` where no echo came back, and for a disc not fitted.
         """
         if self._echoes is None:
-            ends, hits = self._cast(discs)
+            ranges = self._ranges(discs)
         else:
             fired = tuple(discs)
             if fired not in self._echoes:
-                self._echoes[fired] = self._cast(discs)
-            ends, hits = self._echoes[fired]
-        return self._sonar.hear(discs, ends, hits)
+                self._echoes[fired] = self._ranges(discs)
+            ranges = self._echoes[fired]
+        return self._sonar.hear(discs, ranges)
 
     def keep_echoes(self, on: bool) -> None:
         """Let sonar meet what it met before, since nothing moves any more, or cast its rays anew each time."""
         self._echoes = {} if on else None
 
-    def _cast(self, discs: Sequence[int]) -> tuple[Sequence[Place], Sequence[Hit]]:
-        """Return the ends of the rays of discs, m in the world, and what they meet."""
-        self._put_robots()
-        starts, ends = self._sonar.rays(discs, self.pose)
-        return ends, cast(self._client, starts, ends, self.body_id)
+    def _ranges(self, discs: Sequence[int]) -> Sequence[float]:
+        """Ranges of discs before noise and cross-talk, m."""
+        pose = self.pose
+        ranges = self._sonar.in_plane(discs, pose, self.body_id)
+        if ranges is None:
+            self._put_robots()
+            starts, ends = self._sonar.rays(discs, pose)
+            ranges = self._sonar.measure(discs, ends, cast(self._client, starts, ends, self.body_id))
+        return ranges
 
     def scan(self, beams: ScanBeams) -> Echoes:
         """Look along the beams of a planar scanner; its noise comes on top, unless the world is perfect."""

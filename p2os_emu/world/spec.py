@@ -50,6 +50,10 @@ class Block:
         """Height of the upper side above the floor, m."""
         return self.bottom + self.height
 
+    def crosses(self, height: float) -> bool:
+        """Return whether part of the block is so high above the floor, m."""
+        return self.bottom <= height <= self.top
+
     def contains(self, x: float, y: float) -> bool:
         """Return whether a point of the floor lies under the block."""
         along, across = Pose2D(self.x, self.y, self.heading).locate(x, y)

@@ -30,7 +30,8 @@ from p2os_emu.world.planar import PlanarScene
 from p2os_emu.world.presence import Footprint
 from p2os_emu.world.robot_body import RobotBody
 from p2os_emu.world.sight import Sight
-from p2os_emu.world.sonar import SonarRays
+from p2os_emu.world.sonar import HEIGHT, SonarRays, level_fan
+from p2os_emu.world.sonar_scene import Solid, SonarScene
 from p2os_emu.world.spec import Block, WorldSpec
 from p2os_emu.world.textures import choose_texture
 from p2os_emu.world.touches import TouchLog
@@ -47,6 +48,7 @@ class World:
 
     rest_parked: robots that are parked are not computed until they are driven or touched. While all of them are, and
     nothing else moves, the engine computes nothing. engine_use: what the engine computes of the rest.
+    sonar_in_plane: level rays of sonar are cast by arithmetic where that suffices, not by the engine.
     """
 
     def __init__(self, spec: WorldSpec, *, seed: int = 0, perfect: bool = False, gui: bool = False) -> None:
@@ -86,6 +88,8 @@ class World:
         self.engine_use = EngineUse(spec, self.objects, self._bystanders, self._robots)
         self.engine_use.is_spared = not gui  # a window shows what the engine computes
         self._scene = PlanarScene((*spec.walls, *spec.furniture), lambda: self.moving)
+        blocks = (*spec.walls, *spec.furniture)
+        self._heard = SonarScene(self._client, HEIGHT, level_fan(), blocks, lambda: self.steps)
         self._light = None if spec.light is None else LightCourse(spec.light, seed)
         self.sight = Sight(self._client, lambda: self.light, self.engine_use.put_robots)
         if gui:
@@ -100,13 +104,25 @@ class World:
             self._show(body, {HULL: furniture_look(piece, texture)}, is_fixed=True)
         for body, movable in self.objects.bodies.items():
             self._show(body, {HULL: movable_look(movable)})
+            self._heard.add(body, Solid.movable(movable))
         for body, look in self._bystanders.looks.items():
             self._show(body, {HULL: look})
+        for body, bystander in self._bystanders.bodies.items():
+            self._heard.add(body, Solid.bystander(bystander))
 
     @property
     def time(self) -> float:
         """Simulated time since the world began, s."""
         return self.steps * STEP
+
+    @property
+    def sonar_in_plane(self) -> bool:
+        """Whether level rays of sonar are cast by arithmetic."""
+        return self._heard.is_used
+
+    @sonar_in_plane.setter
+    def sonar_in_plane(self, on: bool) -> None:
+        self._heard.is_used = on
 
     @property
     def light(self) -> LightState | None:
@@ -157,7 +173,7 @@ class World:
             self._floor_id,
             model,
             chassis,
-            SonarRays(model.sonar, random, has_overhangs=self._has_overhangs),
+            SonarRays(model.sonar, random, self._heard, has_overhangs=self._has_overhangs),
             pose,
             fit,
             self.objects,
@@ -173,6 +189,8 @@ class World:
             solve_chains(self._client)
         self._robots[name] = robot
         self._names[robot.body_id] = name
+        solid = None if any(link.collides for link in robot.links) else Solid.robot(chassis)
+        self._heard.add(robot.body_id, solid, lambda: None if robot.is_in_engine else robot.pose)
         self._touches[name] = TouchLog()
         self._placed[name] = 0
         self._moving = None
@@ -190,6 +208,7 @@ class World:
         robot = self._robot(name)
         robot.lift()
         self.sight.remove(robot.body_id)
+        self._heard.remove(robot.body_id)
         self._client.removeBody(robot.body_id)
         del self._robots[name], self._names[robot.body_id], self._touches[name], self._placed[name]
         self._moving = None
@@ -289,6 +308,7 @@ class World:
         self._check_free(name, robot.chassis, pose)
         robot.move_to(pose)
         self.engine_use.look_again()
+        self._heard.forget_places()
         self._placed[name] += 1
         self._moving = None
         self._set_still(False)

@@ -3,6 +3,7 @@
 import json
 from itertools import count, pairwise
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -11,7 +12,7 @@ from p2os import Command, RobotModel, encode_command, encode_frame
 from p2os.wire_log import FrameSource
 from p2os_emu.__main__ import main
 from p2os_emu.checking import replay
-from p2os_emu.options import EXIT_CONFIG, EXIT_OK, EXIT_PARTS
+from p2os_emu.options import EXIT_CONFIG, EXIT_OK, EXIT_PARTS, EmulatorOptions
 from p2os_emu.recording import RecordedBytes, Recording, read
 from tests.p2os_emu.test_program import CLOSE, OPEN, Client, program
 from tests.waiting import Deadline
@@ -128,7 +129,7 @@ def test_place_that_cannot_be_written_is_refused(tmp_path: Path, capsys: pytest.
     assert "choose another path" in capsys.readouterr().err
 
 
-def drive_after_a_pause(version: int) -> list[RecordedBytes]:
+def drive_after_a_pause(version: int, world_name: str = "empty", *, in_plane: bool = True) -> list[RecordedBytes]:
     """Return both ends of a drive that begins 5 s after the connection, computed as in this version."""
     host = [RecordedBytes(0.1 * number, FrameSource.HOST, encode_frame(bytes([number]))) for number in range(3)]
     host += [RecordedBytes(0.4, FrameSource.HOST, encode_command(Command.OPEN))]
@@ -143,9 +144,10 @@ def drive_after_a_pause(version: int) -> list[RecordedBytes]:
     host.sort()
     recording = Recording(tuple(host), "happy", "p3dx-sh")
     model = configs.load(RobotModel, "robots", "p3dx-sh")
-    with World(load_world("empty"), perfect=True) as world:
+    with World(load_world(world_name), perfect=True) as world:
         world.rest_parked = version >= 2
         world.engine_use.is_spared = version >= 3
+        world.sonar_in_plane = in_plane
         return sorted([*host, *replay(recording, model, world)])
 
 
@@ -154,8 +156,32 @@ def test_a_recording_is_checked_as_its_emulator_computed(version: int, tmp_path:
     said = drive_after_a_pause(version)
     others = [drive_after_a_pause(each) for each in (1, 2, 3) if each != version]
     assert said not in others, "otherwise nothing is tested here"
-    path = tmp_path / "tape"
-    lines = [{"cassette": version, "name": "happy", "model": "p3dx-sh"}]
+    write_tape(tmp_path / "tape", version, said)
+    assert main(["--check", str(tmp_path / "tape"), "--perfect", "--world", "empty", "--quiet"]) == EXIT_OK
+
+
+def write_tape(path: Path, version: int, said: list[RecordedBytes]) -> None:
+    """Write a recording of a version."""
+    lines: list[dict[str, Any]] = [{"cassette": version, "name": "happy", "model": "p3dx-sh"}]
     lines += [{"t": each.time, "from": each.source, "hex": each.data.hex()} for each in said]
     path.write_text("".join(json.dumps(line) + "\n" for line in lines))
-    assert main(["--check", str(path), "--perfect", "--world", "empty", "--quiet"]) == EXIT_OK
+
+
+@pytest.mark.parametrize("version", [1, 2, 3])
+def test_a_recording_is_checked_as_its_emulator_cast_the_rays_of_sonar(
+    version: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    said = drive_after_a_pause(version, "office", in_plane=version >= 3)
+    other = drive_after_a_pause(version, "office", in_plane=version < 3)
+    assert said != other, "otherwise nothing is tested here"
+    again: list[RecordedBytes] = []
+
+    def check(recording: Recording, path: Path, options: EmulatorOptions, world: World) -> bool:
+        # What is reported leaves sonar out.
+        again.extend(replay(recording, configs.load(RobotModel, "robots", "p3dx-sh"), world))
+        return True
+
+    write_tape(tmp_path / "tape", version, said)
+    monkeypatch.setattr("p2os_emu.record_and_replay.check", check)
+    assert main(["--check", str(tmp_path / "tape"), "--perfect", "--world", "office", "--quiet"]) == EXIT_OK
+    assert again == [each for each in said if each.source is FrameSource.ROBOT]
