@@ -56,14 +56,16 @@ class FirstHit:
     is met. is_sure: False where something is met behind the point, which is not followed here.
     """
 
-    __slots__ = ("_left", "_rays", "_right", "_setback", "cosine", "farthest", "is_sure", "point")
+    __slots__ = ("_ahead", "_left", "_rays", "_right", "_setback", "cosine", "farthest", "is_sure", "point")
 
     def __init__(self, fan: Fan, place: complex, ahead: complex) -> None:
         """Place the fan of a robot that is at a place, and whose heading is a direction of length 1."""
         self.point = place + ahead * fan.point
-        rays = self._rays = [ahead * ray for ray in fan.rays]
-        self._right = rays[0].conjugate()
-        self._left = rays[-1].conjugate()
+        # Sides are turned into the frame of the robot, not the rays into the world: they are fewer.
+        self._ahead = ahead
+        rays = self._rays = fan.rays
+        self._right = (ahead * rays[0]).conjugate()
+        self._left = (ahead * rays[-1]).conjugate()
         self._setback = fan.setback
         self.farthest = fan.reach
         self.cosine = 0.0
@@ -122,11 +124,11 @@ class FirstHit:
         rays = self._rays
         first, last = 0, len(rays)
         if (self._right * end).imag > _ROUNDING:
-            right = end.conjugate()
+            right = end.conjugate() * self._ahead
             while first < last and (right * rays[first]).imag < -_ROUNDING:
                 first += 1
         if (self._left * start).imag < -_ROUNDING:
-            left = start.conjugate()
+            left = start.conjugate() * self._ahead
             while last > first and (left * rays[last - 1]).imag > _ROUNDING:
                 last -= 1
         return first, last
@@ -134,6 +136,7 @@ class FirstHit:
     def _meet_ahead(self, normal: complex, height: float, start: complex, end: complex) -> None:
         """Meet a side that faces the point with the rays between its ends, which are seen from the point."""
         first, last = self._covered(start, end)
+        normal *= self._ahead
         cosine = -min([(normal * ray).real for ray in self._rays[first:last]], default=0.0)
         if height < cosine * self.farthest:
             self.farthest = height / cosine
@@ -146,7 +149,7 @@ class FirstHit:
 
     def meet_cylinder(self, cylinder: Cylinder) -> None:
         """Follow the rays to a cylinder, no further than to what they have met."""
-        middle, radius = (cylinder.middle - self.point).conjugate(), cylinder.radius
+        middle, radius = (cylinder.middle - self.point).conjugate() * self._ahead, cylinder.radius
         for ray in self._rays:
             turned = middle * ray
             if abs(turned.imag) < radius:
@@ -179,6 +182,7 @@ class AllHits(FirstHit):
         return min((distance for distance, cosine in pairs if cosine > least), default=inf)
 
     def _meet_ahead(self, normal: complex, height: float, start: complex, end: complex) -> None:
+        normal *= self._ahead
         for number in range(*self._covered(start, end)):
             cosine = -(normal * self._rays[number]).real
             if cosine > 0.0:
@@ -187,6 +191,7 @@ class AllHits(FirstHit):
 
     def _meet_behind(self, normal: complex, height: float, start: complex, end: complex) -> None:
         begin, last = (normal * start).imag - _ROUNDING, (normal * end).imag + _ROUNDING
+        normal *= self._ahead
         for number, ray in enumerate(self._rays):
             turned = normal * ray
             if turned.real < 0.0:
@@ -197,7 +202,7 @@ class AllHits(FirstHit):
 
     def meet_cylinder(self, cylinder: Cylinder) -> None:
         """As `FirstHit`, ray by ray."""
-        middle, radius = (cylinder.middle - self.point).conjugate(), cylinder.radius
+        middle, radius = (cylinder.middle - self.point).conjugate() * self._ahead, cylinder.radius
         for number, ray in enumerate(self._rays):
             turned = middle * ray
             if abs(turned.imag) < radius:
