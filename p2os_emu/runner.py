@@ -16,7 +16,7 @@ from p2os_emu.pacing import Pacer
 
 _LONGEST_WAIT = 0.1  # s; ports and requests are heard so often at any speed
 _TOGETHER = 0.004  # s of computing that steps may take together; commands that come meanwhile wait
-_SPARE = 0.002  # s that steps taken together end before the next one; waiting for ports may take 1 ms too long
+_EARLY = 0.0003  # s before it is due from which on a step is taken, rather than to sleep once more
 _ROUNDING = 1e-6  # of a step; times of silence are sums of steps
 _LAST_STEP = STEP / 2  # s; emulated time is a sum of steps, an end is met within half of one
 
@@ -75,7 +75,7 @@ class Runner:
         self._clock = clock
         self._sleep = sleep
         self._pacer = Pacer(STEP, clock(), speed)
-        self._silent_cost = 0.0  # s of each of the last steps that were taken together
+        self._silent_cost = 0.0  # s of a step that sends nothing
         self._is_leaving = False
 
     @property
@@ -124,7 +124,7 @@ class Runner:
                 turn()
             if is_due and not (self.is_paused or self._is_leaving):
                 self._begin_step()
-                self._emulator.step()
+                self._take_step()
 
     def report(self) -> str | None:
         """Return a sentence about load for people, at most one a minute."""
@@ -138,13 +138,20 @@ class Runner:
             for tell in self.when_degraded:
                 tell(self.degradation.level)
 
+    def _take_step(self) -> None:
+        began = self._clock()
+        self._emulator.step()
+        # One that sends costs more than a silent one. Were silent ones too costly to be taken together, it shows when
+        # they no longer are.
+        self._silent_cost = min(self._silent_cost, self._clock() - began)
+
     def _pass_silence(self, end: float | None) -> None:
         """Take the steps in which nothing is sent together: right before the next step, or when something has come."""
         steps = self._silent_steps(math.inf if end is None else end)
         if not steps:
             return
         last = self._pacer.deadline + (steps - 1) * STEP
-        wait = last + max(0.0, STEP - steps * self._silent_cost - _SPARE) - self._clock()
+        wait = last + max(0.0, STEP - steps * self._silent_cost - _EARLY) - self._clock()
         if wait > 0:
             self._poller.wait(min(wait, _LONGEST_WAIT))
         began = now = self._clock()
@@ -169,6 +176,6 @@ class Runner:
     def _wait(self) -> bool:
         """Wait for the next step, but not for long; return whether it is due."""
         wait = STEP if self.is_paused else self._pacer.deadline - self._clock()
-        if wait > 0:
+        if wait > _EARLY:
             self._sleep(min(wait, _LONGEST_WAIT))
         return wait <= _LONGEST_WAIT

@@ -41,8 +41,8 @@ class Poller:
                 handler(events)
 
     def wait(self, timeout: float) -> None:
-        """Wait until a descriptor is ready, or until `timeout` s have passed and up to 1 ms more; call no handler."""
-        self._epoll.poll(timeout, 1)
+        """Wait until a descriptor is ready, or until `timeout` s have passed; call no handler."""
+        select.select([self._epoll], [], [], timeout)  # epoll itself would wait for whole ms
 
     def close(self) -> None:
         """Close the epoll descriptor; the callers close their own descriptors."""

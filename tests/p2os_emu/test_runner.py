@@ -211,6 +211,15 @@ def test_steps_that_take_long_are_not_taken_together(machine: Machine, clock: Si
     assert max(b - a for a, b in pairwise(clock.steps)) < 2 * STEP
 
 
+def test_steps_that_took_long_are_taken_together_when_they_are_quick_again(machine: Machine, clock: SipClock) -> None:
+    clock.takes = 0.006
+    machine.runner.run(1.0)
+    clock.takes = 0.0
+    machine.runner.run(2.0)
+    turns = sum(1 for a, b in pairwise(clock.steps[-120:]) if b - a > STEP / 2)
+    assert turns == pytest.approx(10, abs=1)
+
+
 def test_every_step_is_taken_on_time_while_somebody_needs_it(machine: Machine, clock: SipClock) -> None:
     machine.runner.needs_each_step.append(lambda: True)
     start = machine.now
