@@ -68,8 +68,9 @@ class EngineUse:
     def step(self, step_engine: Callable[[], None]) -> None:
         """Let the engine take a step if it computes something that moves, or that may be touched."""
         if self._is_needed:
+            self.put_robots()  # or others would run into them where they were
             step_engine()
-        if any(robot.senses_by_engine for robot in self._robots.values()):
+        elif any(robot.senses_by_engine for robot in self._robots.values()):
             self.put_robots()
 
     def look_at_things(self) -> None:

@@ -130,6 +130,22 @@ def test_two_robots_that_drive_at_each_other_touch() -> None:
         assert right.pose.x - left.pose.x > 0.4
 
 
+def test_nobody_runs_into_a_robot_where_it_was() -> None:
+    beside = Block(0.0, 0.5, 0.0, 12.0, 0.1, 1.0, "the wall")  # so near that the engine computes who drives along it
+    with World(WorldSpec("wall", walls=(beside,)), seed=3) as world:
+        first = add(world, pose=Pose2D(0.0, 0.0, -pi / 2.0), name="first")
+        first.drive(0.6, 0.6)
+        run(world, 4.0)
+        assert not first.is_in_engine
+        second = add(world, pose=Pose2D(-2.0, 0.12, 0.0), name="second")
+        second.drive(0.5, 0.5)
+        for _ in range(8 * RATE):
+            world.step()
+            assert second.is_in_engine
+        assert second.pose.x > 1.5
+        assert world.touches("second").count == 0
+
+
 def test_somebody_who_walks_into_a_parked_robot_is_noticed() -> None:
     person = Person("Ada", ((2.0, 0.0), (-2.0, 0.0)), speed=0.8, gives_way=False)
     with World(WorldSpec("walk", people=(person,)), seed=3) as world:
