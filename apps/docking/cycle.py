@@ -12,6 +12,9 @@ from apps.docking.station import Floats, find_dock, to_frame
 from geometry import Pose2D, Twist2D, wrap_angle
 
 STILL = Twist2D()
+RELEASE = 1.5  # s of driving back for which a contact may still be that which the robot leaves
+APART = 2.0  # s between two contacts of one obstacle; a stalled robot tries again now and then
+STUCK = 4.0  # s of contact after which a robot that drives to the dock does not get there
 
 
 class DockingState(StrEnum):
@@ -93,6 +96,7 @@ class DockingCycle:
         self._told: tuple[DockingState, str] | None = None
         self._contacts: bool | None = False if leaves else None  # an order that is due
         self._left_from: Pose2D | None = None
+        self._touches_since = self._touched_at = -inf
 
     @property
     def has_ended(self) -> bool:
@@ -147,7 +151,7 @@ class DockingCycle:
         drives_on = self.state in (DockingState.GO, DockingState.LOOK, DockingState.APPROACH)
         if charging and (drives_on or self.state is DockingState.CHARGE):
             return self._become(DockingState.CHARGED, "the battery is charged", now)
-        if contact and self.state is DockingState.APPROACH:
+        if self._is_lost_by(contact, now):
             return self._lose("the robot has touched something", now)
         match self.state:
             case DockingState.GO:
@@ -161,6 +165,16 @@ class DockingCycle:
             case DockingState.BACK | DockingState.LEAVE:
                 return self._back(now, pose, contact)
         return STILL
+
+    def _is_lost_by(self, contact: bool, now: float) -> bool:
+        """Return whether a contact ends the attempt: at once on the way onto the dock, before if it lasts."""
+        if not contact:
+            return False
+        if now - self._touched_at > APART:
+            self._touches_since = now
+        self._touched_at = now
+        lasts = now - max(self._touches_since, self._since) > STUCK
+        return self.state is DockingState.APPROACH or (lasts and self.state is DockingState.GO)
 
     def _become(self, state: DockingState, reason: str, now: float) -> Twist2D:
         self.state, self.reason, self._since, self._clear_at = state, reason, now, now
@@ -223,12 +237,13 @@ class DockingCycle:
         gone = -self._left_from.locate(pose.x, pose.y)[0]
         is_leaving = self.state is DockingState.LEAVE
         way = charge.leave_m if is_leaving else max(0.0, self._settings.approach.away_m + self._along(self._left_from))
-        if gone < way and not contact:
+        is_behind = contact and (is_leaving or now - self._since > RELEASE)
+        if gone < way and not is_behind:
             return Twist2D(-charge.back_m_s, 0.0)
         self._left_from = None
         if is_leaving:
-            reason = "something is behind the robot" if contact else "it stands before the dock"
-            return self._become(DockingState.GIVEN_UP if contact else DockingState.LEFT, reason, now)
+            reason = "something is behind the robot" if is_behind else "it stands before the dock"
+            return self._become(DockingState.GIVEN_UP if is_behind else DockingState.LEFT, reason, now)
         if self._attempts >= self._settings.attempts:
             return self._become(DockingState.GIVEN_UP, f"{self._attempts} attempts have failed; {self.reason}", now)
         return self._become(DockingState.GO, f"attempt {self._attempts + 1}: {self.reason}", now)

@@ -24,7 +24,7 @@ from p2os_emu.fit import read_fit
 from tests.acromovi.team.running import RunningTeam, running
 from tests.interruptions import INTERRUPTED, again_if_interrupted
 from tests.live_team import LIMIT, ROOT, LiveTeam
-from tests.waiting import end_of, wait_until
+from tests.waiting import Deadline, end_of, wait_until
 
 EVERY = {"base", "sonar", "battery", "io", "sound", "servos", "localization", "mapping"}
 """What every controller of these robots has: wheels, the sonar on it, its own ports, and the agents of maps."""
@@ -146,7 +146,9 @@ def assert_killed_container_comes_back(team: RunningTeam, robot: str, tokens: se
 def assert_it_ends_in_time_and_leaves_nothing(team: RunningTeam, tokens: set[str]) -> None:
     cameras = drawing(team)
     assert len(cameras) == 2
-    assert team.end(signal.SIGINT) < IN_TIME
+    in_time = Deadline(IN_TIME)
+    team.end(signal.SIGINT)
+    assert not in_time.has_passed(), in_time.in_words("nothing is left")
     assert team.process.returncode == 130
     assert team.left_behind() == []
     wait_until(lambda: not any(Path(f"/proc/{pid}").exists() for pid in cameras), "the cameras have ended")

@@ -11,7 +11,7 @@ from acromovi.team.host_control import HostControl
 from acromovi.team.team import STARTING_TIME
 from tests.acromovi.team.private_bus import private_bus
 from tests.acromovi.team.running import RunningTeam, run, running
-from tests.waiting import wait_until
+from tests.waiting import Deadline, wait_until
 
 DWARFS = """\
 world = "empty"
@@ -100,7 +100,9 @@ def test_end_takes_no_longer_than_said_though_a_container_is_frozen_and_leaves_n
         frozen = processes(team)["the container of grumpy"]["pid"]
         assert isinstance(frozen, int)
         os.kill(frozen, signal.SIGSTOP)
-        assert team.end(signal.SIGINT) < IN_TIME
+        in_time = Deadline(IN_TIME)
+        team.end(signal.SIGINT)
+        assert not in_time.has_passed(), in_time.in_words("nothing is left")
         assert team.process.returncode == 130
         assert team.left_behind() == []
 

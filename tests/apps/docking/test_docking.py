@@ -102,8 +102,9 @@ def test_a_dock_is_found_by_its_station_from_anywhere_before_it(
     found = find_dock(scan(robot, segments()), DOCK.compose(Pose2D(*wrong)).relative_to(robot), SETTINGS.station)
     assert found is not None
     there = robot.compose(found)
-    assert math.hypot(there.x - DOCK.x, there.y - DOCK.y) < 0.03
-    assert abs(wrap_angle(there.heading - DOCK.heading)) < 0.03
+    # From afar the face of the station has few echoes; the robot looks again when it is nearer.
+    assert math.hypot(there.x - DOCK.x, there.y - DOCK.y) < (0.03 if away < 1.2 else 0.04)
+    assert abs(wrap_angle(there.heading - DOCK.heading)) < (0.03 if away < 1.2 else 0.08)
 
 
 @pytest.mark.parametrize("lines", [segments(station=False), segments(station=False, box=(3.4, 1.0)), []])
@@ -198,6 +199,43 @@ def test_a_contact_on_the_way_onto_the_dock_is_a_lost_attempt() -> None:
     robot.contact = True
     assert robot.step().state is DockingState.BACK
     robot.contact = False
+    robot.until(lambda: robot.cycle.has_ended)
+    assert robot.cycle.state is DockingState.CHARGED
+
+
+def test_a_robot_backs_off_although_it_still_touches_what_it_leaves() -> None:
+    robot = drive()
+    robot.until(lambda: robot.cycle.state is DockingState.APPROACH)
+    robot.until(lambda: DOCK.locate(robot.pose.x, robot.pose.y)[0] > -0.2)
+    robot.contact = True
+    robot.step()
+    touched = robot.pose
+    for _ in range(10):
+        robot.step()
+    assert robot.told[-1].state is DockingState.BACK
+    assert touched.locate(robot.pose.x, robot.pose.y)[0] < -0.05
+    robot.contact = False
+    robot.until(lambda: robot.cycle.has_ended)
+    assert robot.cycle.state is DockingState.CHARGED
+
+
+def test_a_robot_that_something_holds_on_its_way_gives_up_in_the_end() -> None:
+    robot = drive()
+    robot.contact = True
+    robot.until(lambda: robot.cycle.has_ended, limit=60.0)
+    assert robot.cycle.state is DockingState.GIVEN_UP
+    assert robot.cycle.reason == "3 attempts have failed; the robot has touched something"
+
+
+def test_a_robot_that_brushes_something_on_its_way_drives_on() -> None:
+    robot = drive()
+    for _ in range(5):
+        robot.contact = True
+        robot.step()
+        robot.contact = False
+        for _ in range(30):
+            robot.step()
+    assert robot.cycle.state is not DockingState.BACK
     robot.until(lambda: robot.cycle.has_ended)
     assert robot.cycle.state is DockingState.CHARGED
 
