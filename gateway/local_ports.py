@@ -99,7 +99,7 @@ def _open_devices(pid: int) -> set[int]:
 def _terminal(pid: int) -> int | None:
     """Return the device number of the controlling terminal of a process; None without one."""
     try:
-        told = (PROC / str(pid) / "stat").read_text(encoding="utf-8", errors="replace")
+        told = (PROC / str(pid) / "stat").read_text(encoding="utf-8", errors="replace")  # its name is any bytes
     except OSError:  # it has just ended
         return None
     return int(told.rpartition(")")[2].split()[TERMINAL_FIELD]) or None  # numbered as `stat` does

@@ -1,16 +1,15 @@
 """What the physics engine has to compute: what something may touch, and what moves by itself."""
 
 from collections.abc import Callable, Iterator, Mapping
-from math import atan2
 
-from geometry import Polygon, Pose2D
+from geometry import Polygon
 from p2os_emu.world.bystanders import Bystanders
 from p2os_emu.world.engine import STEP
 from p2os_emu.world.moving_doors import LEAF_THICKNESS
+from p2os_emu.world.nearness import PERIOD, Circle, NearnessWatch
 from p2os_emu.world.objects import Objects
 from p2os_emu.world.people import BODY_RADIUS, MOST_SPEED
 from p2os_emu.world.robot_body import RobotBody
-from p2os_emu.world.room import PERIOD, Circle, RoomWatch
 from p2os_emu.world.spec import WorldSpec, rectangle
 from p2os_emu.world.still_outlines import StillOutlines
 
@@ -42,7 +41,7 @@ class EngineUse:
         self._objects = objects
         self._bystanders = bystanders
         self._robots = robots
-        self._room = RoomWatch(StillOutlines(_still_outlines(spec)))
+        self._room = NearnessWatch(StillOutlines(_still_outlines(spec)))
         self._is_due = True
         self.things_rest = False
 
@@ -94,5 +93,4 @@ def _still_outlines(spec: WorldSpec) -> Iterator[Polygon]:
     """Outlines of what does not move, and of where the leaves of doors slide."""
     yield from (block.footprint for block in (*spec.walls, *spec.furniture))
     for door in spec.moving_doors:
-        (x1, y1), (x2, y2) = door.jamb, door.post
-        yield rectangle(Pose2D(x1, y1, atan2(y2 - y1, x2 - x1)), door.width, door.width, LEAF_THICKNESS)
+        yield rectangle(door.frame, door.width, door.width, LEAF_THICKNESS)

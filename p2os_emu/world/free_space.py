@@ -6,7 +6,7 @@ the box as both their radii together.
 
 from collections.abc import Iterable, Sequence
 from itertools import pairwise
-from math import atan2, cos, inf, pi, sin
+from math import cos, inf, pi, sin
 
 import numpy as np
 from numpy.typing import NDArray
@@ -153,8 +153,7 @@ def _object_box(movable: Movable) -> tuple[float, ...]:
 
 def _leaf_box(door: MovingDoor) -> tuple[float, ...]:
     (x1, y1), (x2, y2) = door.jamb, door.post
-    heading = atan2(y2 - y1, x2 - x1)
-    return (x1 + x2) / 2, (y1 + y2) / 2, heading, door.width / 2, LEAF_THICKNESS / 2, 0.0
+    return (x1 + x2) / 2, (y1 + y2) / 2, door.frame.heading, door.width / 2, LEAF_THICKNESS / 2, 0.0
 
 
 def _beyond(value: Floats, half: Floats) -> Floats:

@@ -35,9 +35,8 @@ class _Leaf:
         self.door = door
         self._client = client
         self._random = random
-        (x1, y1), (x2, y2) = door.jamb, door.post
         self._width = door.width
-        self._jamb = Pose2D(x1, y1, math.atan2(y2 - y1, x2 - x1))
+        self._jamb = door.frame
         self._gap = Footprint.of(rectangle(self._jamb, door.width, 0.0, LEAF_THICKNESS + 2 * MARGIN))
         self._wants_open = door.is_open
         self._left = self._time_in_this_state()

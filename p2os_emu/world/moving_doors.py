@@ -3,7 +3,7 @@
 import math
 from dataclasses import dataclass
 
-from geometry import Point
+from geometry import Point, Pose2D
 from p2os_emu.world.colours import check_colour
 from p2os_emu.world.people import check_span
 
@@ -32,6 +32,12 @@ class MovingDoor:
     shut_time: Span | None = None
     speed: float = 0.6
     colour: str = "wood"
+
+    @property
+    def frame(self) -> Pose2D:
+        """Pose of the jamb, m, rad, facing the post."""
+        (x1, y1), (x2, y2) = self.jamb, self.post
+        return Pose2D(x1, y1, math.atan2(y2 - y1, x2 - x1))
 
     @property
     def width(self) -> float:

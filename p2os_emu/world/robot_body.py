@@ -22,10 +22,10 @@ from p2os_emu.world.infrared import InfraredRays, sensors_of
 from p2os_emu.world.ledges import LedgeModel, Ledges
 from p2os_emu.world.links import FIRST, joined
 from p2os_emu.world.magnets import Magnet, field_at
+from p2os_emu.world.nearness import Circle
 from p2os_emu.world.objects import Objects
 from p2os_emu.world.planar import PlanarScene
 from p2os_emu.world.rays import cast
-from p2os_emu.world.room import Circle
 from p2os_emu.world.sonar import SonarRays
 from p2os_emu.world.spec import Block
 from p2os_emu.world.touches import Bumper

@@ -85,7 +85,7 @@ def fill(world: World, random: Random, model: Models) -> list[RobotBody]:
         pose = Pose2D(x, y, random.uniform(-pi, pi))
         try:
             bodies.append(world.add_robot(f"robot {number}", model(random.choice(MODELS)), pose))
-        except WorldError:
+        except WorldError:  # something stands there; a room with fewer robots serves as well
             continue
     return bodies
 

@@ -12,9 +12,9 @@ from geometry import Pose2D
 from p2os import RobotModel
 from p2os_emu.world import World, WorldSpec, load_world
 from p2os_emu.world.movable import Movable, Shape
+from p2os_emu.world.nearness import PERIOD, Circle, NearnessWatch
 from p2os_emu.world.people import Person
 from p2os_emu.world.robot_body import RobotBody
-from p2os_emu.world.room import PERIOD, Circle, RoomWatch
 from p2os_emu.world.spec import Block, rectangle
 from p2os_emu.world.still_outlines import FARTHEST, StillOutlines
 
@@ -237,7 +237,7 @@ def test_where_nothing_stands_everything_is_clear() -> None:
 def test_a_robot_with_room_cannot_be_touched_before_the_next_look(
     gap: float, speed: float, other_speed: float, has_room_already: bool
 ) -> None:
-    watch = RoomWatch(StillOutlines([]))
+    watch = NearnessWatch(StillOutlines([]))
     if has_room_already:
         assert watch.look({"happy": Circle(0.0, 0.0, 0.4, 0.0)}, []) == {"happy"}
     found = watch.look({"happy": Circle(0.0, 0.0, 0.4, speed)}, [Circle(0.7 + gap, 0.0, 0.3, other_speed)])

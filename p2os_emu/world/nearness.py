@@ -1,4 +1,4 @@
-"""Which robots have so much room that nothing can touch them before the next look."""
+"""Robots that nothing comes near: they have so much room that nothing can touch them before the next look."""
 
 from collections.abc import Mapping, Sequence
 from math import hypot
@@ -26,8 +26,8 @@ class Circle(NamedTuple):
     speed: float
 
 
-class RoomWatch:
-    """Looks at robots again and again."""
+class NearnessWatch:
+    """Looks again and again how near robots are to other things."""
 
     def __init__(self, still: StillOutlines) -> None:
         """still: what does not move."""
