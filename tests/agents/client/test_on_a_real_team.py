@@ -37,6 +37,8 @@ model = "p2dx"
 at_m = [0.0, 5.0]
 """
 STEP = 0.1  # s
+LATE = re.compile(r"^someone has not answered a search of the directory within \S+ s\n", re.MULTILINE)
+"""What a program says on a busy machine, where nothing else is wrong."""
 LITTLE = 0.002  # m in a step, which a robot that stands does not go
 MOVE = "from agents import Team\nteam = Team()\nteam.robot('grumpy').base.move(30.0)\n"
 DRIVE = "from agents import Team\nteam = Team()\nteam.robot('grumpy').base.drive(0.3)\nteam.sleep(60.0)\n"
@@ -154,7 +156,7 @@ def test_ctrl_c_in_a_motion_stops_the_robot(dwarfs: RunningTeam, tmp_path: Path,
         process.send_signal(signal.SIGINT)
         _, told = end_of(process)
     wait_until_it_stands(dwarfs, "grumpy")
-    assert re.fullmatch(r"drive.py, line \d: stopped by Ctrl-C\n", told)
+    assert re.fullmatch(r"drive.py, line \d: stopped by Ctrl-C\n", LATE.sub("", told))
     assert process.returncode == -signal.SIGINT
 
 
@@ -163,7 +165,7 @@ def test_a_script_that_closes_nothing_leaves_its_robot_at_rest(dwarfs: RunningTe
         wait_until_it_drives(dwarfs, "grumpy")
         _, told = end_of(process)
     wait_until_it_stands(dwarfs, "grumpy")
-    assert (process.returncode, told) == (0, "")
+    assert (process.returncode, LATE.sub("", told)) == (0, "")
 
 
 def test_a_new_application_drives_as_it_is(
@@ -176,7 +178,7 @@ def test_a_new_application_drives_as_it_is(
         wait_until_it_drives(dwarfs, "grumpy")
         process.send_signal(signal.SIGINT)
         _, told = end_of(process)
-    assert (process.returncode, told) == (130, "")
+    assert (process.returncode, LATE.sub("", told)) == (130, "")
     wait_until_it_stands(dwarfs, "grumpy")
 
 

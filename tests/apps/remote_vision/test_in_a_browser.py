@@ -125,7 +125,6 @@ def sweep(team: RunningTeam, viewer: Viewer) -> None:
 
     viewer.wait(has_the_lease, "the page has the lease")
     turn(team, viewer, lambda: viewer.key("ArrowRight"), lambda pan: pan < RIGHT + 0.02, "the head looks to the right")
-    viewer.sees("head at pan -9")
     turn(team, viewer, lambda: viewer.key("ArrowLeft"), lambda pan: pan > RIGHT + 0.1, "the head turns")
 
 

@@ -70,11 +70,6 @@ class Viewer(OpenPage):
         self.page.locator(".rv-viewer").first.focus()
         self.page.keyboard.press(name)
 
-    def choose(self, label: str, option: str) -> None:
-        """Choose an option of a list."""
-        self.page.get_by_label(label).click()
-        self.page.get_by_role("option", name=option, exact=True).click()
-
     def place(self, across: float, down: float) -> tuple[float, float]:
         """A point of the image of the camera on the page; parts of its width and height."""
         canvas = self.page.locator("canvas").first

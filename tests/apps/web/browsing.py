@@ -22,7 +22,7 @@ needs_chromium = pytest.mark.skipif(not CHROMIUM, reason="chromium is not instal
 CHEAPLY = ("--no-sandbox", "--disable-gpu", "--disable-software-rasterizer", "--force-prefers-reduced-motion")
 """Options of Chromium; without a graphics process, drawing costs less where the processor draws in any case."""
 SHOWN = 0.5
-"""Time to press a button that may no longer be there, s."""
+"""Time to find and press what may not be there, s, on an idle machine."""
 
 
 @contextmanager
@@ -77,7 +77,22 @@ class OpenPage:
     def press_if_shown(self, button: Locator) -> None:
         """Press a button that may be drawn anew, or change its name, at any moment."""
         with suppress(NotFound):  # the next look of whoever waits finds it
-            button.first.click(timeout=SHOWN * 1e3)
+            button.first.click(timeout=patience(SHOWN) * 1e3)
+
+    def choose(self, label: str, option: str) -> None:
+        """Choose an option of a list; again, if a page that is drawn anew has closed the list."""
+        wanted = self.page.get_by_role("option", name=option, exact=True)
+
+        def is_chosen() -> bool:
+            try:
+                if not wanted.count():
+                    self.page.get_by_label(label).first.click()
+                wanted.click(timeout=patience(SHOWN) * 1e3)
+            except NotFound:
+                return False
+            return True
+
+        self.wait(is_chosen, f"{option} is chosen as {label}")
 
     def wait(self, condition: Callable[[], object], what: str) -> None:
         """Wait for a condition; the browser goes on meanwhile."""

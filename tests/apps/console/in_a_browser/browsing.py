@@ -112,8 +112,7 @@ def choose(tab: ConsoleTab, agent: str) -> None:
 def ask(tab: ConsoleTab, request: str, **fields: str) -> None:
     """Fill in the form of a request or a query, and send it."""
     tab.page.get_by_role("tab", name="Ask").click()
-    tab.page.get_by_label("Ask it to").click()
-    tab.page.get_by_role("option", name=request, exact=True).click()
+    tab.choose("Ask it to", request)
     for name, text in fields.items():
         tab.page.get_by_label(name, exact=True).fill(text)
     tab.press("Ask")

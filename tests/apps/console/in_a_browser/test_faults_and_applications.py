@@ -14,8 +14,7 @@ pytestmark = needs_chromium
 def test_a_fault_is_injected_and_cleared(team: WatchedTeam, tab: ConsoleTab) -> None:
     emulator = team.running.emulator()
     tab.go("/faults")
-    tab.page.get_by_label("Fault").first.click()
-    tab.page.get_by_role("option", name="low-battery", exact=True).click()
+    tab.choose("Fault", "low-battery")
     tab.press("Inject")
     tab.sees("low-battery is injected")
     assert [row["fault"] for row in emulator.ask("faults")["faults"]] == ["low-battery:robot=happy"]
@@ -61,8 +60,7 @@ def test_an_application_is_started_with_arguments_and_stopped_and_its_output_is_
     team: WatchedTeam, tab: ConsoleTab
 ) -> None:
     tab.go("/applications")
-    tab.page.get_by_label("Application").first.click()
-    tab.page.get_by_role("option", name="wander", exact=True).click()
+    tab.choose("Application", "wander")
     tab.page.get_by_label("robot", exact=True).fill("nobody")
     tab.press("Start")
     tab.sees("failed (1)")

@@ -33,12 +33,10 @@ def bring_into_use(tab: ConsoleTab, path: str) -> None:
         choose(tab, "base@happy")
         tab.page.get_by_label("Within, s").wait_for()
     elif path == "/faults":
-        tab.page.get_by_label("Fault").first.click()
-        tab.page.get_by_role("option", name="sonar-dead", exact=True).click()
+        tab.choose("Fault", "sonar-dead")
         tab.page.get_by_label("disc").wait_for()
     elif path == "/applications":
-        tab.page.get_by_label("Application").first.click()
-        tab.page.get_by_role("option", name="wander", exact=True).click()
+        tab.choose("Application", "wander")
         tab.page.get_by_label("speed", exact=True).wait_for()
 
 

@@ -16,8 +16,7 @@ def test_operations_and_colours_of_a_robot_are_used_on_a_page_of_the_console(tab
     assert urlsplit(tab.page.url).path == "/vision/max"
     tab.page.evaluate(WATCH)
     tab.page.wait_for_function(ENOUGH, arg=[0, "max", 3], polling=50)
-    tab.page.get_by_label("Operation or saved chain").click()
-    tab.page.get_by_role("option", name="canny", exact=True).click()
+    tab.choose("Operation or saved chain", "canny")
     tab.sees("canny: shown")
     tab.page.wait_for_function(ENOUGH, arg=[0, "canny", 2], polling=50)
     tab.page.get_by_role("switch").click()
