@@ -7,9 +7,9 @@ READY  := $(VENV)/.ready
 SEEN   := $(VENV)/.collected
 
 # Tests wait for processes more than they reckon, so there is room for more at a time than there are cores.
-WORKERS := $(shell expr $$(nproc) + 4)
+WORKERS := $(shell expr $$(nproc) + 3)
 PYTEST  := $(BIN)/pytest -n $(WORKERS) --dist loadscope
-FEW     := [ $$(grep -c '::' .pytest_cache/v/cache/lastfailed) -le 5 ]
+FEW     := [ $$(grep -c '::' .pytest_cache/v/cache/lastfailed) -le 10 ]
 
 # Caches stay in this folder too. Bytecode is one of them: hundreds of processes begin in the tests, and each of them would
 # compile the code again.
