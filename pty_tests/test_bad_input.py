@@ -4,7 +4,6 @@ Nothing here holds a sound frame that could move a robot, so it may be sent to a
 """
 
 import random
-import time
 from contextlib import suppress
 
 import pytest

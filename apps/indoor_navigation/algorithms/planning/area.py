@@ -1,12 +1,13 @@
 """A part of the floor as a grid: what each sensor shows of an obstacle in each cell, and its times."""
 
+from collections.abc import Sequence
 from math import ceil, cos, floor, sin
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from apps.indoor_navigation.data import Bools, Floats, Place
+from apps.indoor_navigation.data import Bools, Floats, Ints, Place
 from geometry import Pose2D
 
 Evidence = NDArray[np.int8]
@@ -14,6 +15,7 @@ Singles = NDArray[np.float32]
 
 OCCUPIED = 2  # evidence from which on a cell has an obstacle
 PASSED = -1  # evidence after one ray has passed; a cell is free at or below
+BESIDE_BODY = 2  # cells beside what may be a person in which a part of that person may have been hit
 NEVER, PASSABLE = np.nan, np.inf  # first_hit of a cell that was not hit yet, and of one that was free for certain
 
 
@@ -71,16 +73,27 @@ class Area(NamedTuple):
 
         What may be a person is not expected to stay.
         """
-        return self.walls | (self.occupied & ~np.isinf(self.first_hit) & ~self.body)
+        stays = self.occupied & ~np.isinf(self.first_hit)
+        stays[self._beside_bodies()] = False
+        return self.walls | stays
 
-    def people(self, place: Place, beyond: float) -> Bools:
-        """Return the cells of what may be people, farther from a place than so many m; not those of walls."""
+    def people(self, places: Sequence[Place], beyond: float) -> Bools:
+        """Return the cells of what may be people, farther from all these places than so many m; not those of walls."""
         found = self.body & ~self.fixed
         rows, columns = np.nonzero(found)  # few, if any
-        across = self.x + (columns + 0.5) * self.resolution - place[0]
-        along = self.y + (rows + 0.5) * self.resolution - place[1]
-        found[rows, columns] = across * across + along * along > beyond * beyond
+        for x, y in places:
+            across = self.x + (columns + 0.5) * self.resolution - x
+            along = self.y + (rows + 0.5) * self.resolution - y
+            found[rows, columns] &= across * across + along * along > beyond * beyond
         return found
+
+    def _beside_bodies(self) -> tuple[Ints, Ints]:
+        """Return rows and columns of the cells of what may be people, and of those where a part of them may be seen."""
+        rows, columns = np.nonzero(self.body)
+        steps = np.arange(-BESIDE_BODY, BESIDE_BODY + 1)
+        height, width = self.body.shape
+        beside = np.clip(rows[:, None, None] + steps[:, None], 0, height - 1)
+        return beside, np.clip(columns[:, None, None] + steps, 0, width - 1)
 
     @property
     def unknown(self) -> Bools:

@@ -202,6 +202,17 @@ class Grid:
         part.evidence[:], part.echo[:] = 0, 0
         part.first_hit[:], part.fixed[:] = NEVER, False
 
+    def doubt_unseen(self, x: float, y: float, radius: float, before: float) -> bool:
+        """Clear obstacles within a radius, m, that were hit last before s; return whether there were any.
+
+        What a map shows and no ray has hit stays.
+        """
+        part = self.area.around((x, y), margin=radius)
+        is_old = (part.evidence >= OCCUPIED) & (part.hit_at < before) & np.isfinite(part.hit_at)
+        part.evidence[is_old] = 0
+        part.first_hit[is_old], part.fixed[is_old] = NEVER, False
+        return bool(is_old.any())
+
     def _cells(self, part: Area, x: Floats, y: Floats) -> Cells:
         """Return rows and columns in a part of the area of places within it."""
         area = self.area

@@ -68,6 +68,7 @@ class Guide:
         self._goal = goal
         self._plan: Plan | None = None
         self._near: Ground | None = None
+        self._doubted: list[Place] = []  # gaps
         self._failed: tuple[float, float] | None = None  # estimate and s of the last search, if it found no way
 
     @property
@@ -132,9 +133,15 @@ class Guide:
         """Return whether the goal is too far away to plan."""
         return self._memory.survey(self.goal, now) is None
 
-    def look(self, now: float, budget: float = inf) -> float | None:
-        """Plan a way, and take it if it costs no more than the budget; return its length, m, or None."""
-        ground = self._survey(now)
+    def look(self, now: float, budget: float = inf, barred: Place | None = None) -> float | None:
+        """Plan a way, and take it if it costs no more than the budget; return its length, m, or None.
+
+        Args:
+            now: s.
+            budget: Of its cost.
+            barred: A place where somebody was in the way, and may still be.
+        """
+        ground = self._survey(now, barred=barred)
         search = self._search(ground)
         if self._failed is not None:
             estimate, at = self._failed
@@ -199,6 +206,21 @@ class Guide:
             return is_news
         self._memory.grid.doubt(*self.goal, SURE_RANGE / 2.0)
         return True
+
+    def doubt_narrowest(self, now: float) -> bool:
+        """Forget the sides of the gap that is too narrow, as far as they are out of view; once for each gap.
+
+        The robot looks at it again from nearer before it gives up: what stood there, or beside it, may have gone, and
+        from afar a gap is known to some cm only. Return whether there was anything.
+        """
+        missing = missing_width(self._survey(now), self.goal, self._goal.tolerance)
+        if missing is None:
+            return False
+        (x, y), width = missing[1], self._memory.outline.width
+        if any(hypot(x - other_x, y - other_y) < width for other_x, other_y in self._doubted):
+            return False
+        self._doubted.append((x, y))
+        return self._memory.doubt((x, y), width)
 
     def why_forbidden(self) -> str | None:
         """Return why the map forbids this mission, in words; None where it does not."""
@@ -297,8 +319,14 @@ class Guide:
         is_near = hypot(left_x, left_y) < OFF_PLAN
         return is_near and (left if piece.motion is Motion.GO else -left) < REACHED
 
-    def _survey(self, now: float, standing: Callable[[Area], Bools] | None = None, hope: float = 0.0) -> Ground:
-        ground = self._memory.survey(self.goal, now, standing=standing, hope=hope)
+    def _survey(
+        self,
+        now: float,
+        standing: Callable[[Area], Bools] | None = None,
+        hope: float = 0.0,
+        barred: Place | None = None,
+    ) -> Ground:
+        ground = self._memory.survey(self.goal, now, standing=standing, hope=hope, barred=barred)
         assert ground is not None  # `is_too_far` was asked before
         return ground
 

@@ -20,6 +20,7 @@ from apps.indoor_navigation.data import Bools, Floats, ObstRead, Place, Pose
 UNKNOWN_MARGIN = 2.0  # m of unknown floor around the known floor through which a way may lead
 ASIDE_RANGE = 5.0  # m around the robot where it may go aside
 FORBIDDEN_RANGE = 2.5  # m around the robot within which goto is told of forbidden places
+IN_VIEW = 1.5  # s since the last hit, within which an obstacle is in view
 TRAIL_SPACING = 0.1  # m between two points of the trail
 
 
@@ -107,6 +108,10 @@ class Memory:
         """Forget obstacles that may have gone since they were seen, s ago; return whether there were any."""
         return self.grid.forget_transient(self._stamp - age)
 
+    def doubt(self, place: Place, radius: float) -> bool:
+        """Forget the obstacles within m of a place that were seen once and are out of view; return whether any were."""
+        return self.grid.doubt_unseen(*place, radius, self._stamp - IN_VIEW)
+
     def doubt_map(self) -> bool:
         """Forget what only the map shows, if sensors contradict much of it; return whether that was so."""
         return self.grid.doubt_map()
@@ -128,7 +133,13 @@ class Memory:
         self._avoided.append((Strip(place, place, radius), until))
 
     def survey(
-        self, goal: Place, now: float, *, standing: Callable[[Area], Bools] | None = None, hope: float = 0.0
+        self,
+        goal: Place,
+        now: float,
+        *,
+        standing: Callable[[Area], Bools] | None = None,
+        hope: float = 0.0,
+        barred: Place | None = None,
     ) -> Ground | None:
         """Return the costs of the known floor with a margin; None where the goal is too far away to plan.
 
@@ -137,6 +148,8 @@ class Memory:
             now: s.
             standing: Cells with obstacles that do not go away; by default all but what may be people far away.
             hope: Cost of the others.
+            barred: A place where somebody was in the way; those who are still near it bar ways, however far the robot
+                has made way.
         """
         if not self.grid.include(goal, UNKNOWN_MARGIN):
             return None
@@ -149,7 +162,8 @@ class Memory:
         if standing is not None:
             stands = standing(area)
         else:  # who is far away will be elsewhere when the robot comes there
-            people = area.people(self.place, self.parameters.near)
+            places = (self.place,) if barred is None else (self.place, barred)
+            people = area.people(places, self.parameters.near)
             stands, hope = area.occupied & ~people, self.parameters.cost.person if people.any() else 0.0
         return Ground.of(
             area,

@@ -44,6 +44,8 @@ class Pausing:
             situation.wait_for(now, MissionEvent.WAY_BARRED, waiting)
         elif situation.doubts and guide.doubt_goal(now):
             situation.doubts = False  # a person may have stood there; look again from nearer
+        elif guide.doubt_narrowest(now):
+            situation.no_way_since = inf
         else:
             situation.give_up(now, guide.why_no_way(now))
         return None
@@ -60,6 +62,8 @@ class Pausing:
             return None
         if now < waiting.until:
             return self._watch(waiting)
+        if waiting.is_last_hope and situation.has_tried_enough(now):
+            return None  # as where somebody stands at the goal
         if waiting.is_last_hope and waiting.place is not None:
             radius = self._parameters.guide.stop_before + self._memory.half_width
             self._memory.grid.take_for_walls(*waiting.place, radius)
@@ -87,11 +91,11 @@ class Pausing:
         """Begin to go aside, if it is time and there is room; return whether it did."""
         situation = self._situation
         courtesy = GIVE_WAY if waiting.passages else self._parameters.courtesy
-        is_time = now - self._machine.since >= courtesy and situation.making_way.is_worth(now)
+        is_time = now - self._machine.since >= courtesy and situation.making_way.is_worth(now, self._memory.travelled)
         if not (is_time and situation.guide.make_way(waiting.place)):
             return False
         self._machine.happens(MissionEvent.WAY_FOUND, now, "making way for a person or an obstacle")
-        situation.making_way.begin(waiting)
+        situation.making_way.begin(waiting, self._memory.travelled)
         return True
 
     def _watch(self, waiting: Waiting) -> Order:

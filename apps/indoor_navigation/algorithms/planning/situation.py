@@ -89,10 +89,10 @@ class Situation:
         """Return whether readings have been missing for too long."""
         return now - self.seen_at > self.parameters.silence
 
-    def look(self, now: float, budget: float = inf) -> float | None:
+    def look(self, now: float, budget: float = inf, barred: Place | None = None) -> float | None:
         """Plan a way, and take it if it costs no more than the budget; return its length, m, or None."""
         self.looked_at = now
-        found = self.guide.look(now, budget)
+        found = self.guide.look(now, budget, barred)
         if found is not None:
             self.no_way_since = inf
         return found
@@ -110,7 +110,7 @@ class Situation:
         """Plan a way that is better than waiting, and take it; return its length, m, or None."""
         if not self.rights.has(waiting.passages):
             return None
-        return self.look(now, waiting.budget(now, self.parameters.detour, self.parameters.speed))
+        return self.look(now, waiting.budget(now, self.parameters.detour, self.parameters.speed), waiting.place)
 
     def look_for_passages(self) -> None:
         """Find the passages that the robot needs now."""

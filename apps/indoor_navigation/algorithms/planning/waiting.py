@@ -7,6 +7,7 @@ from apps.indoor_navigation.data import Place
 
 ASIDE = "aside, since "
 MIN_INTERVAL = 15.0  # s before the robot makes way again, so that it can drive on meanwhile
+FARTHER = 5.0  # m driven since the robot made way, after which it meets others and counts anew
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,18 +51,22 @@ class MakingWay:
     """
 
     def __init__(self, most: int) -> None:
-        """most: maximum number of times on one mission."""
-        self._left = most
-        self._went = -inf
+        """most: maximum number of times in one neighbourhood."""
+        self._most = self._left = most
+        self._went = self._travelled = -inf
         self.waiting: Waiting | None = None
 
-    def is_worth(self, now: float) -> bool:
-        """Return whether the robot may go aside at s."""
-        return self._left > 0 and now - self._went >= MIN_INTERVAL
+    def is_worth(self, now: float, travelled: float) -> bool:
+        """Return whether the robot may go aside at s. travelled: m of this mission."""
+        has_left = self._left > 0 or travelled - self._travelled > FARTHER
+        return has_left and now - self._went >= MIN_INTERVAL
 
-    def begin(self, waiting: Waiting) -> None:
+    def begin(self, waiting: Waiting, travelled: float) -> None:
         """Begin to go aside."""
+        if travelled - self._travelled > FARTHER:
+            self._left = self._most
         self._left -= 1
+        self._travelled = travelled
         self.waiting = waiting
 
     def end(self, now: float) -> None:

@@ -1,12 +1,15 @@
 """What the robot knows of the floor: who stands near bars the way, who is far away does not."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from apps.indoor_navigation.algorithms.outline import Outline
+from apps.indoor_navigation.algorithms.planning.guide import Guide
 from apps.indoor_navigation.algorithms.planning.memory import Memory
 from apps.indoor_navigation.algorithms.planning.terrain import BARRED
-from apps.indoor_navigation.data import ObstRead
+from apps.indoor_navigation.data import GoalPoint, ObstRead, Place
 from apps.indoor_navigation.parameters import shipped_parameters
 
 BEAMS = np.radians(np.linspace(-90.0, 90.0, 181))
@@ -44,3 +47,53 @@ def test_who_stands_still_does_not_become_a_wall() -> None:
     assert area.occupied[area.cell(2.0, 0.0)]
     assert not area.walls[area.cell(2.0, 0.0)]
     assert not area.staying[area.cell(2.0, 0.0)]
+
+
+@pytest.mark.parametrize(("near", "is_barred"), [((5.0, 0.3), True), ((5.0, 4.0), False)])
+def test_who_was_in_the_way_bars_it_though_the_robot_has_gone_aside(near: Place, is_barred: bool) -> None:
+    memory = Memory(shipped_parameters("path_planning").mission.guide.memory, Outline(0.2, 0.3, 0.4))
+    for step in range(50):
+        memory.see(with_person(5.0, 0.0, 0.1 * step))
+    ground = memory.survey((7.0, 0.0), 5.0, barred=near)
+    assert ground is not None
+    assert (ground.costs(np.array([5.0]), np.array([0.0]), np.zeros(1))[0] >= BARRED) == is_barred
+
+
+def test_a_hit_beside_a_person_is_not_expected_to_stay() -> None:
+    memory = Memory(shipped_parameters("path_planning").mission.guide.memory, Outline(0.2, 0.3, 0.4))
+    seen = with_person(2.0, RADIUS, 0.0)  # a foot, half beside the disc that stands for the body
+    for step in range(5):
+        memory.see(replace(seen, stamp=0.1 * step, body_y=np.zeros(1)))
+    area = memory.grid.area
+    feet = area.occupied & ~area.body
+    assert feet.any()
+    assert not area.staying[feet].any()
+
+
+def at_a_wall(gap: float, stamp: float, heading: float) -> ObstRead:
+    """A reading 2 m before a wall with a gap, m wide; a robot that turns away, by rad, sees 0.5 m far only."""
+    x, y = np.cos(BEAMS), np.sin(BEAMS)
+    at_wall = 2.0 / np.maximum(x, 1e-6)
+    lengths = np.minimum(np.where(np.abs(at_wall * y) < gap / 2.0, 5.0, at_wall), 6.0)
+    if heading:
+        lengths[:] = 0.5
+    nothing = np.zeros(len(BEAMS))
+    ends = lengths * np.cos(BEAMS + heading), lengths * np.sin(BEAMS + heading)
+    hits = ((lengths < 5.0) & (lengths > 0.5)).astype(float)
+    return ObstRead(stamp, (0.0, 0.0, heading), None, 0.0, nothing, nothing, *ends, hits, False)
+
+
+@pytest.mark.parametrize(("heading", "is_doubted"), [(np.pi, True), (0.0, False)], ids=["out of view", "in view"])
+def test_the_sides_of_a_gap_that_is_too_narrow_are_doubted_once_and_only_out_of_view(
+    heading: float, is_doubted: bool
+) -> None:
+    parameters = shipped_parameters("path_planning").mission.guide
+    memory = Memory(parameters.memory, Outline(0.2, 0.3, 0.4))
+    for step in range(40):
+        memory.see(at_a_wall(0.34, 0.1 * step, 0.0))
+    for step in range(40, 80):
+        memory.see(at_a_wall(0.34, 0.1 * step, heading * (step - 39) / 40))
+    guide = Guide(parameters, memory, GoalPoint("mission", 4.0, 0.0))
+    assert "as wide as this robot" in guide.why_no_way(8.0)
+    assert guide.doubt_narrowest(8.0) == is_doubted
+    assert not guide.doubt_narrowest(8.0)
