@@ -11,6 +11,7 @@ import errno
 import hashlib
 import re
 import socket
+from contextlib import ExitStack
 from pathlib import Path
 from typing import NamedTuple
 
@@ -116,13 +117,18 @@ class Registration(Closeable):
         Raises:
             BusUnavailable: This machine does not allow it.
         """
-        tried: set[int] = set()
+        # Ports of entries that were withdrawn are held until the end. Who has seen such an entry connects to its port;
+        # if another session, or this one, were given it now, two would connect to each other.
+        with ExitStack() as held:
+            own, entries = self._registered(bus, held)
+        self.endpoint = bus.endpoint(own)
+        self.elders = tuple(bus.endpoint(entry) for entry in entries[:-1])
+
+    def _registered(self, bus: LocalBus, held: ExitStack) -> tuple[_SessionEntry, list[_SessionEntry]]:
+        """Register; return the own entry, and all entries up to this one."""
         while True:
             before = bus.entries()
-            port = _free_port(bus.address)
-            if port in tried:  # who has seen the earlier entry connects to it, so two would connect to each other
-                continue
-            tried.add(port)
+            port = _free_port(bus.address, held)
             own = _SessionEntry(max((entry.serial for entry in before), default=0) + 1, port)
             self._socket = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
             try:
@@ -134,12 +140,10 @@ class Registration(Closeable):
                 raise BusUnavailable(f"a session cannot be registered on this machine: {err.strerror}") from err
             entries = bus.entries()
             if entries and entries[-1] == own:
-                break
+                return own, entries
             self._socket.close()
             if own not in entries:
                 raise BusUnavailable(f"{SOCKETS} does not show this program's own sockets; is /proc mounted for it?")
-        self.endpoint = bus.endpoint(own)
-        self.elders = tuple(bus.endpoint(entry) for entry in entries[:-1])
 
     @property
     def configuration(self) -> dict[str, list[str]]:
@@ -151,11 +155,11 @@ class Registration(Closeable):
         self._socket.close()
 
 
-def _free_port(address: str) -> int:
-    """Return a port on which nobody listens."""
+def _free_port(address: str, held: ExitStack) -> int:
+    """Return a port on which nobody listens; nobody else is given it as long as it is held."""
     try:
-        with socket.socket(socket.AF_INET, socket.SOCK_STREAM) as probe:
-            probe.bind((address, 0))
-            return int(probe.getsockname()[1])
+        probe = held.enter_context(socket.socket(socket.AF_INET, socket.SOCK_STREAM))
+        probe.bind((address, 0))
+        return int(probe.getsockname()[1])
     except OSError as err:
         raise BusUnavailable(f"no session can listen on {address}: {err.strerror}") from err

@@ -173,10 +173,23 @@ def test_a_port_that_is_taken_meanwhile_is_replaced_by_another(monkeypatch: pyte
     with socket.create_server((address, 0)) as taken:
         ports = [taken.getsockname()[1]]
         free_port = bus.loopback._free_port
-        monkeypatch.setattr(bus.loopback, "_free_port", lambda where: ports.pop() if ports else free_port(where))
+
+        def first_the_taken_one(where: str, held: ExitStack) -> int:
+            return ports.pop() if ports else free_port(where, held)
+
+        monkeypatch.setattr(bus.loopback, "_free_port", first_the_taken_one)
         with ZenohBus.open(f"local:{name}"):
             assert not ports
             assert len(LocalBus(name).entries()) == 1
+
+
+def test_a_session_that_registers_holds_the_ports_that_others_may_have_seen(name: str) -> None:
+    address = LocalBus(name).address
+    with ExitStack() as held:
+        port = bus.loopback._free_port(address, held)
+        with pytest.raises(OSError, match="in use"):
+            socket.create_server((address, port))
+    socket.create_server((address, port)).close()
 
 
 def test_a_machine_that_hides_its_sockets_is_told_in_one_sentence(

@@ -73,7 +73,7 @@ def test_the_followers_stop_when_the_leader_falls_silent(team: RunningTeam, tmp_
         assert process.stdout is not None
         os.kill(gateway, signal.SIGSTOP)
         try:
-            told = next(line for line in process.stdout if "silent" in line)
+            told = next(line for line in process.stdout if "the leader, is silent" in line)
             wait_until_stand(team, ROBOTS)
         finally:
             os.kill(gateway, signal.SIGCONT)
