@@ -124,7 +124,12 @@ def sweep(team: RunningTeam, viewer: Viewer) -> None:
         return holder(team).startswith("remote-vision-")
 
     viewer.wait(has_the_lease, "the page has the lease")
-    turn(team, viewer, lambda: viewer.key("ArrowRight"), lambda pan: pan < RIGHT + 0.02, "the head looks to the right")
+    said = viewer.page.get_by_text("head at pan -9").first
+
+    def is_there(pan: float) -> bool:
+        return pan < RIGHT + 0.02 and said.is_visible()
+
+    turn(team, viewer, lambda: viewer.key("ArrowRight"), is_there, "the head looks to the right, and the page says so")
     turn(team, viewer, lambda: viewer.key("ArrowLeft"), lambda pan: pan > RIGHT + 0.1, "the head turns")
 
 

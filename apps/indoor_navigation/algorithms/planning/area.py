@@ -71,7 +71,7 @@ class Area(NamedTuple):
     def staying(self) -> Bools:
         """Cells with an obstacle where none has come: walls, and what stood there when the place was first seen.
 
-        What may be a person is not expected to stay.
+        What may be a person is not expected to stay, nor is a hit beside one.
         """
         stays = self.occupied & ~np.isinf(self.first_hit)
         stays[self._beside_bodies()] = False

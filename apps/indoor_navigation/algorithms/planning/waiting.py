@@ -58,16 +58,16 @@ class MakingWay:
 
     def is_worth(self, now: float, travelled: float) -> bool:
         """Return whether the robot may go aside at s. travelled: m of this mission."""
-        has_left = self._left > 0 or travelled - self._travelled > FARTHER
-        return has_left and now - self._went >= MIN_INTERVAL
+        return self._left_at(travelled) > 0 and now - self._went >= MIN_INTERVAL
 
     def begin(self, waiting: Waiting, travelled: float) -> None:
         """Begin to go aside."""
-        if travelled - self._travelled > FARTHER:
-            self._left = self._most
-        self._left -= 1
+        self._left = self._left_at(travelled) - 1
         self._travelled = travelled
         self.waiting = waiting
+
+    def _left_at(self, travelled: float) -> int:
+        return self._most if travelled - self._travelled > FARTHER else self._left
 
     def end(self, now: float) -> None:
         """End going aside at s."""
