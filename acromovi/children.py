@@ -12,8 +12,11 @@ __all__ = ["ChildFailed", "EmulatedRobots", "emulator", "end", "gateway"]
 
 @contextmanager
 def gateway(port: str, *arguments: str) -> Iterator[subprocess.Popen[str]]:
-    """Run `p2os-gateway` on this port until the block ends; yields at once, while it connects."""
-    command = [sys.executable, "-m", "gateway", port, *arguments]
+    """Run `p2os-gateway` on this port until the block ends; yields at once, while it connects.
+
+    It does not give up: the robot exists, and a busy machine may let it answer late.
+    """
+    command = [sys.executable, "-m", "gateway", port, "--wait", *arguments]
     # Its lines are for people at a terminal; what goes wrong comes on standard error.
     with subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, text=True) as process:
         try:
