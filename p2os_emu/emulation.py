@@ -158,6 +158,8 @@ def _make_world(options: EmulatorOptions) -> "World":
         from p2os_emu.world import World, WorldError, load_world
     except ExtraMissing as error:
         raise PhysicsError(str(error)) from error
+    from p2os_emu.zero_pages import zeros_given_back
+
     try:
         spec = load_world(options.world)
     except WorldError as error:
@@ -165,7 +167,8 @@ def _make_world(options: EmulatorOptions) -> "World":
     if spec.note and not options.quiet:
         print(f"p2os-emu: {spec.note}", file=sys.stderr)
     try:
-        return World(spec, seed=options.seed, perfect=options.perfect, gui=options.gui)
+        with contextlib.nullcontext() if options.gui else zeros_given_back():  # a window draws in a thread
+            return World(spec, seed=options.seed, perfect=options.perfect, gui=options.gui)
     except WorldError as error:
         raise PhysicsError(str(error)) from error
 

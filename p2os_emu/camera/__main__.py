@@ -15,6 +15,7 @@ from p2os_emu.camera.news import SceneMoment, receive, report_watched
 from p2os_emu.camera.server import CameraServer
 from p2os_emu.world.mirror import Mirror, choose_renderer
 from p2os_emu.world.view import View
+from p2os_emu.zero_pages import zeros_given_back
 
 NICENESS = 10
 """Pictures may be late; the robots' packets may not."""
@@ -65,7 +66,9 @@ def main(argv: Sequence[str] | None = None) -> int:
     channel_fd, listener_fd, image_format, quality, title = sys.argv[1:] if argv is None else argv
     os.nice(NICENESS)
     image = read_format(image_format)
-    mirror = Mirror(choose_renderer())
+    renderer = choose_renderer()
+    with zeros_given_back():  # before there are threads
+        mirror = Mirror(renderer)
     channel = socket.socket(fileno=int(channel_fd))
     inbox = _SceneInbox(channel)
     feed = Feed(partial(report_watched, channel))

@@ -1,0 +1,61 @@
+"""Memory that the engine has filled with zeros is given back, and nothing else."""
+
+import platform
+import subprocess
+import sys
+
+import pytest
+
+from benchmarks.processes import resident_megabytes
+from p2os_emu.program import emulator
+
+pytestmark = pytest.mark.skipif(
+    platform.libc_ver()[0] != "glibc", reason="memory is given back on Linux with glibc only"
+)
+
+MOST_MB = 70.0  # the engine's buffers of zeros are 16 MB, and with them it was 77
+PROBE = """
+import ctypes
+import mmap
+
+from p2os_emu.zero_pages import zeros_given_back
+
+SIZE = 64 * 2**20
+STEP = 100 * mmap.PAGESIZE
+
+
+def held():
+    with open("/proc/self/status") as status:
+        rows = dict(line.split(":", 1) for line in status)
+    return int(rows["RssAnon"].split()[0]) // 1024
+
+
+allocate = ctypes.CDLL(None).malloc
+allocate.argtypes, allocate.restype = [ctypes.c_size_t], ctypes.c_void_p
+before = held()
+with zeros_given_back():
+    begin = allocate(SIZE)
+    ctypes.memset(begin, 0, SIZE)
+    block = (ctypes.c_ubyte * SIZE).from_address(begin)
+    for place in range(7, SIZE, STEP):
+        block[place] = 1 + place % 251
+    full = held() - before
+left = held() - before
+assert full >= 60, full
+assert left <= 10, left
+assert {place: byte for place, byte in enumerate(bytes(block)) if byte} == {
+    place: 1 + place % 251 for place in range(7, SIZE, STEP)
+}
+ctypes.memset(begin, 5, SIZE)
+assert set(bytes(block)) == {5}
+"""
+
+
+def test_pages_of_zeros_are_given_back_and_all_bytes_are_as_before() -> None:
+    done = subprocess.run([sys.executable, "-c", PROBE], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+def test_an_emulator_holds_no_buffers_of_zeros() -> None:
+    with emulator("--robot", "p3dx-sh", "--world", "office", "--quiet") as robots:
+        assert resident_megabytes(robots.process.pid) < MOST_MB
