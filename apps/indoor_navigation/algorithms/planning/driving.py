@@ -11,6 +11,8 @@ from apps.indoor_navigation.algorithms.planning.states import MissionEvent, Miss
 from apps.indoor_navigation.algorithms.planning.waiting import Waiting
 from apps.indoor_navigation.data import DIGITS
 
+HALTED = 1.0  # s without a motion after which the robot counts as stopped by what is ahead
+
 
 class Driving:
     """Returns an order at each step, or None where another state has followed."""
@@ -105,7 +107,8 @@ class Driving:
                 MissionEvent.CAME_NO_FARTHER, now, f"a wall is in the way, {barrier.ahead:.1f} m ahead"
             )
             return True
-        if barrier.ahead > 2.0 * parameters.guide.stop_before:
+        comes_nearer = self._progress.stands_for(now) < HALTED and barrier.ahead > parameters.guide.stop_before
+        if comes_nearer or barrier.ahead > 2.0 * parameters.guide.stop_before:
             return False
         why = f"something is in the way, {barrier.ahead:.1f} m ahead"
         waiting = Waiting(why, now, now + parameters.patience, barrier.cost, situation.barred)

@@ -178,6 +178,12 @@ class Guide:
             return None
         return _Barrier(ahead, self.plan.cost(self._survey(now, _staying).for_present_plan()))
 
+    def goes_on(self, now: float) -> bool:
+        """Return whether what barred the way has left so much of it free that the robot can follow."""
+        self.advance()
+        barrier = self.barrier(now)
+        return barrier is None or (barrier.may_go and barrier.ahead > 2.0 * self._parameters.stop_before)
+
     def make_way(self, barred: Place | None) -> bool:
         """Take a way to a place aside; return whether there is one near."""
         memory, ahead = self._memory, (*self.points, *self._beyond)

@@ -81,6 +81,8 @@ class Pausing:
             return False
         if (found := situation.look_past(waiting, now)) is not None:
             self._machine.happens(MissionEvent.WAY_FOUND, now, f"a way of {found:.1f} m")
+        elif waiting.cost < inf and situation.guide.goes_on(now):
+            self._machine.happens(MissionEvent.WAY_FOUND, now, "what was in the way moves on")
         elif waiting.hopes and situation.guide.is_hopeless(now):
             self._machine.happens(MissionEvent.WAITED_ENOUGH, now, f"it is a wall: {waiting.why}")
         else:

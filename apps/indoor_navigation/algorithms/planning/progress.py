@@ -58,6 +58,10 @@ class Progress:
             self._anchor, self._anchored_at = pose, now
         return now - self._anchored_at > parameters.stuck
 
+    def stands_for(self, now: float) -> float:
+        """Return for how long the robot has neither driven nor turned, s, as of the last `is_held`."""
+        return max(0.0, now - self._anchored_at)
+
     def is_stuck(self, pose: Pose, now: float) -> bool:
         """Return whether the robot has made no progress for too long; call only while it is to move."""
         parameters, is_held = self._parameters, self.is_held(pose, now)

@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Callable
+from functools import partial
 from itertools import pairwise
 from math import hypot, inf, nan
 
@@ -13,12 +14,22 @@ from apps.indoor_navigation.algorithms.planning.mission import Navigator
 from apps.indoor_navigation.algorithms.planning.orders import REST
 from apps.indoor_navigation.data import GoalPoint, Place
 from apps.indoor_navigation.parameters import shipped_parameters
-from tests.apps.indoor_navigation.planning.house import HALF_WIDTH, House, Walker, house, shortest, still
+from tests.apps.indoor_navigation.planning.house import (
+    BODY_RADIUS,
+    HALF_WIDTH,
+    House,
+    Walker,
+    house,
+    shortest,
+    still,
+)
 
 UP_LEFT = (1.0, 8.0, 0.0)
 GROWS = 1.3  # a way in an unknown house may be so much longer than the shortest
 TOUCH = 0.2  # m
 LONG = Outline(0.4, 0.6, 2 * HALF_WIDTH)
+MISSION = shipped_parameters("path_planning").mission
+STOP_BEFORE, NEAR = MISSION.guide.stop_before, MISSION.guide.memory.near  # m
 
 
 def walker(plan: House | None = None, pose: tuple[float, float, float] = UP_LEFT) -> Walker:
@@ -139,6 +150,60 @@ def test_for_somebody_who_stands_in_the_only_door_the_robot_waits() -> None:
     robot.go(6.0, 7.5)
     assert robot.run_to_end() == "done"
     assert "waiting" in robot.states
+    assert robot.nearest > TOUCH
+
+
+MOUTH = 6.0, 2.0  # of an alley
+
+
+def before_an_alley(leaves_at: float = inf) -> Walker:
+    """A robot on its way into an alley, 1 m wide, and somebody who comes towards it and stops in the mouth."""
+    plan = House([]).box(0.0, 0.0, 16.0, 4.0)
+    plan.walls += [(6.0, 1.5, 16.0, 1.5), (6.0, 2.5, 16.0, 2.5), (6.0, 0.0, 6.0, 1.5), (6.0, 2.5, 6.0, 4.0)]
+    plan.people.append(partial(in_the_mouth, leaves_at))
+    robot = walker(plan, (1.0, 2.0, 0.0))
+    robot.go(9.0, 2.0)
+    return robot
+
+
+def in_the_mouth(leaves_at: float, time: float) -> Place:
+    """Where the person is: comes at 1.5 m/s, and leaves at 0.5 m/s."""
+    return MOUTH[0] + max(0.0, 8.0 - 1.5 * time) + max(0.0, 0.5 * (time - leaves_at)), MOUTH[1]
+
+
+def apart(robot: Walker, person: Place) -> float:
+    return hypot(robot.x - person[0], robot.y - person[1])
+
+
+def test_a_robot_comes_near_to_who_stands_in_its_way_before_it_waits() -> None:
+    robot = before_an_alley()
+    while "waiting" not in robot.states:
+        robot.step()
+    between = apart(robot, MOUTH) - HALF_WIDTH - BODY_RADIUS
+    assert 0.0 < between < STOP_BEFORE + 0.1
+
+
+def test_a_robot_that_is_stopped_before_somebody_waits_for_them_and_counts_no_failure() -> None:
+    robot = before_an_alley()
+
+    def stop(robot: Walker) -> None:
+        robot.is_held = apart(robot, MOUTH) < HALF_WIDTH + BODY_RADIUS + 1.5 * STOP_BEFORE
+
+    robot.meanwhile = stop
+    while "waiting" not in robot.states:
+        robot.step()
+    assert robot.is_held
+    assert "comes no farther" not in notes(robot)
+
+
+def test_a_robot_follows_who_walks_on_before_it() -> None:
+    robot = before_an_alley(leaves_at=9.0)
+    while "waiting" not in robot.states:
+        robot.step()
+    while robot.navigator.state == "waiting":
+        robot.step()
+    assert "what was in the way moves on" in notes(robot)
+    assert apart(robot, in_the_mouth(9.0, robot.time)) < NEAR
     assert robot.nearest > TOUCH
 
 
