@@ -88,6 +88,10 @@ class ArmMechanism(Protocol):
     def velocities(self) -> Sequence[float]:
         """Of each joint, rad/s (m/s)."""
 
+    @property
+    def holds(self) -> bool:
+        """Whether an object is held between the fingers."""
+
     def move(self, joint: int, position: float, speed: float) -> None:
         """Let a joint, counted from 0, go to a position, rad (m), no faster than `speed`, rad/s (m/s)."""
 

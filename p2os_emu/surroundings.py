@@ -62,7 +62,7 @@ class EmulatedSurroundings(Protocol):
         """Where the middle of each movable object is, m, m, m, and its heading, rad."""
 
     def held(self, name: str) -> str | None:
-        """Return the name of the object that a robot's gripper holds; None where it holds none, or there is none."""
+        """Return the name of the object that a robot's gripper or arm holds; None where it holds none."""
 
     def touches(self, name: str) -> Touches:
         """Collisions of a robot."""

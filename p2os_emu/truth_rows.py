@@ -35,7 +35,7 @@ def robot_row(emulator: Emulator, robot: EmulatedRobot) -> dict[str, Any]:
         "touched": [{"time": time, "what": what} for time, what in touches.last[-LAST_TOUCHES:]],
         **_shown(robot.microcontroller),
         "gripper": _gripper(emulator, robot),
-        "arm": _arm(robot),
+        "arm": _arm(emulator, robot),
         "camera_head": _camera_head(robot),
         "laser": _laser(robot),
         "target": _target(robot),
@@ -57,12 +57,15 @@ def _gripper(emulator: Emulator, robot: EmulatedRobot) -> dict[str, Any] | None:
         "inner_beam": state.inner_beam,
         "left_contact": state.left_contact,
         "right_contact": state.right_contact,
-        "held": emulator.world.held(robot.name),
+        "held": emulator.world.held(robot.name) if state.holds else None,
     }
 
 
-def _arm(robot: EmulatedRobot) -> dict[str, Any] | None:
-    """Return the joints from the robot outwards, rad and rad/s, and the opening between the fingers, m and m/s."""
+def _arm(emulator: Emulator, robot: EmulatedRobot) -> dict[str, Any] | None:
+    """Return the joints from the robot outwards, rad and rad/s, and the opening between the fingers, m and m/s.
+
+    held: name of the object between the fingers.
+    """
     arm: ArmMechanism | None = robot.body.arm
     if arm is None:
         return None
@@ -76,6 +79,7 @@ def _arm(robot: EmulatedRobot) -> dict[str, Any] | None:
         "opening": opening,
         "opening_speed": opening_speed,
         "powered": robot.is_powered and has_power,
+        "held": emulator.world.held(robot.name) if arm.holds else None,
     }
 
 

@@ -1,29 +1,25 @@
 """A gripper on a robot: paddles and lift as links of its body; implements `p2os_emu.body.GripperMechanism`.
 
-Paddles close with the force that triggers their contact switches. Once both press on one object it is gripped: friction
-that holds is a constraint between lift and object, no stronger than friction would be at the force that the paddles
-press with. What asks for more slips. (Friction alone lets the solver shake an object out of the paddles in seconds.)
+Paddles close with the force that triggers their contact switches. Once both press on one object it is gripped
+(`holding`), and it slips when it asks for more than their friction.
 """
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
-from math import cos, dist, sin
+from math import cos, sin
 from typing import Any
 
 from p2os_emu.body import GripperMechanismState
 from p2os_emu.gripper_model import GripperModel
 from p2os_emu.world.chassis import Chassis
-from p2os_emu.world.collision import HULL, SEEN_BY_LIGHT, heading_of
+from p2os_emu.world.collision import SEEN_BY_LIGHT, heading_of
 from p2os_emu.world.engine import STEP, PhysicsClient, engine
+from p2os_emu.world.holding import SQUARE, TOUCH, FrictionHold
 from p2os_emu.world.links import BodyLink, Joint
 from p2os_emu.world.objects import Objects
 from p2os_emu.world.rays import Place
 
 CARRIAGE = 0.02  # m along the robot, of what carries the paddles
-SLIP = 0.003  # m that a held object gives way before its hold begins anew
-TOUCH = 0.001  # m; the rubber of paddles that have stopped still presses on what is so near
 CLOSED = 0.01  # opening below which the paddles press on each other
-SQUARE = 0.5  # least part of a contact's normal that points across the robot, for the paddle's inner face
 BEAM_INSET = 0.005  # m within the paddles, of the ends of a beam, so that it meets what touches a paddle
 NOTHING = -1  # what the engine says a ray has met that met nothing
 PADDLE_FORCE = 50.0  # N; opens paddles, and holds them where they are
@@ -59,16 +55,6 @@ def gripper_links(model: GripperModel, chassis: Chassis) -> tuple[BodyLink, ...]
     return lift, *paddles
 
 
-@dataclass(slots=True)
-class _Grip:
-    """Something held: its body and where it is seen from the lift; force: of one paddle, N."""
-
-    held: int
-    constraint: int
-    place: Place
-    force: float
-
-
 class RobotGripper:
     """The gripper of one robot."""
 
@@ -96,7 +82,7 @@ class RobotGripper:
         self._body = body
         self._lift, self._left, self._right = range(first, first + 3)
         self._objects = objects
-        self._grip: _Grip | None = None
+        self._holding = FrictionHold(client, body, self._lift, objects, model.paddle_friction)
         self._state: GripperMechanismState | None = None
         self._paddles = self._raising = 0.0
         self._hold(self._left, self._right, self._lift)
@@ -111,7 +97,7 @@ class RobotGripper:
     @property
     def held(self) -> int | None:
         """Body id of the object that is held, None for none."""
-        return None if self._grip is None else self._grip.held
+        return self._holding.held
 
     def drive(self, paddles: float, lift: float) -> None:
         """Command the motors, at their own speed: -1 closes or lowers, 0 holds where it is, 1 opens or lifts."""
@@ -126,19 +112,17 @@ class RobotGripper:
 
     def let_go(self) -> None:
         """Hold nothing any more."""
-        if self._grip is not None:
-            self._client.removeConstraint(self._grip.constraint)
-            self._grip = None
+        self._holding.let_go()
 
     def follow(self) -> None:
         """Update after a step of the physics: which objects are gripped, pressed or slip."""
         self._state = None
-        if self._grip is not None:
-            self._watch(self._grip)
+        if self._holding.held is not None:
+            self._watch(self._holding.held)
         elif self._paddles < 0.0:
             held = self._between()
             if held is not None:
-                self._take(held, self.model.contact_force_n)
+                self._holding.take(held, self.model.contact_force_n)
 
     def _drive_paddles(self) -> None:
         speed = abs(self._paddles) * self.model.paddle_speed_m_s
@@ -204,53 +188,15 @@ class RobotGripper:
             if distance <= TOUCH and outward * (normal[1] * cos(heading) - normal[0] * sin(heading)) > SQUARE:
                 yield other
 
-    def _take(self, held: int, force: float) -> None:
-        """Begin to hold an object where it is."""
-        place, orientation = self._from_lift(held)
-        constraint = self._client.createConstraint(
-            self._body,
-            self._lift,
-            held,
-            HULL,
-            engine.JOINT_FIXED,
-            [0.0] * 3,
-            place,
-            [0.0] * 3,
-            orientation,
-            [0.0, 0.0, 0.0, 1.0],
-        )
-        self._grip = _Grip(held, constraint, place, force)
-        self._set_strength(self._grip)
-
-    def _watch(self, grip: _Grip) -> None:
+    def _watch(self, held: int) -> None:
         """Press harder while the motor goes on, and see whether the object slips."""
-        if self._paddles < 0.0 and grip.force < self.model.strongest_n:
-            grip.force = min(grip.force + self.model.pressing_n_s * STEP, self.model.strongest_n)
-            self._set_strength(grip)
-        place, _ = self._from_lift(grip.held)
-        if dist(place, grip.place) > SLIP:
-            self.let_go()
-            if self._between() == grip.held:
-                self._take(grip.held, grip.force)
-
-    def _set_strength(self, grip: _Grip) -> None:
-        friction = self._objects.friction(grip.held, self.model.paddle_friction)
-        self._client.changeConstraint(grip.constraint, maxForce=2 * friction * grip.force)
-
-    def _from_lift(self, held: int) -> tuple[Place, tuple[float, float, float, float]]:
-        """Place (m) and orientation of an object, seen from the middle of the lift's carriage."""
-        thing = self._client.getBasePositionAndOrientation(held)
-        place, orientation = engine.multiplyTransforms(*engine.invertTransform(*self._carriage()), *thing)
-        return place, orientation
-
-    def _carriage(self) -> tuple[Place, tuple[float, float, float, float]]:
-        """Place (m, in the world) and orientation of the middle of the lift's carriage."""
-        state = self._client.getLinkState(
-            self._body,
-            self._lift,
-            computeForwardKinematics=True,  # otherwise it is where it was a step ago
-        )
-        return state[0], state[1]
+        holding, force = self._holding, self._holding.force
+        if self._paddles < 0.0 and force < self.model.strongest_n:
+            holding.press(min(force + self.model.pressing_n_s * STEP, self.model.strongest_n))
+        if holding.has_slipped():
+            holding.let_go()
+            if self._between() == held:
+                holding.take(held, holding.force)
 
     def _look(self) -> GripperMechanismState:
         lift, left, right = self._joints(self._lift, self._left, self._right)
@@ -267,14 +213,14 @@ class RobotGripper:
             inner_beam=inner,
             left_contact=is_closed or any(True for _ in self._touched(self._left, 1.0)),
             right_contact=is_closed or any(True for _ in self._touched(self._right, -1.0)),
-            holds=self._grip is not None,
+            holds=self._holding.held is not None,
         )
 
     def _beams(self, left: float, right: float) -> tuple[bool, bool]:
         """Whether something stands in the outer and the inner beam."""
         half = self.model.opening_m / 2 + BEAM_INSET
         ends = half - left, right - half
-        origin, orientation = self._carriage()
+        origin, orientation = self._holding.carrier
         starts, stops = [], []
         for beam in (self.model.outer_beam_m, self.model.inner_beam_m):
             places = (self._in_world(origin, orientation, beam + CARRIAGE / 2, y) for y in ends)

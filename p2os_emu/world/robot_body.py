@@ -49,6 +49,7 @@ class RobotBody:
     is_resting = False
     _looks_at_rest = 0
     arm: ArmMechanism | None = None
+    _fingers: JointedArm | None = None
     touched: Collection[int] = ()
     _echoes: dict[tuple[int, ...], Sequence[float]] | None = None
 
@@ -85,7 +86,7 @@ class RobotBody:
         self.body_id = build_robot(client, chassis, pose, self.links)
         self._train = DriveTrain(client, self.body_id, chassis)
         if arm is not None:
-            self.arm = JointedArm(client, self.body_id, FIRST, arm, self.wake)
+            self._fingers = self.arm = JointedArm(client, self.body_id, FIRST, arm, objects, self.wake)
         first = FIRST + len(arm_parts)
         self._gripper = RobotGripper(client, self.body_id, first, gripper, objects, self.wake) if gripper else None
         self._infrared = InfraredRays(client, self.body_id, model, chassis) if sensors_of(model) else None
@@ -120,8 +121,10 @@ class RobotBody:
 
     @property
     def held(self) -> str | None:
-        """Name of the object that the gripper holds; None where it holds none, or there is no gripper."""
+        """Name of the object that gripper or arm holds; None where they hold none, or there is neither."""
         held = None if self._gripper is None else self._gripper.held
+        if held is None and self._fingers is not None:
+            held = self._fingers.held
         return None if held is None else self._objects.bodies[held].name
 
     @property
@@ -268,6 +271,8 @@ class RobotBody:
         """Take the robot off whatever it holds and hangs on."""
         if self._gripper is not None:
             self._gripper.let_go()
+        if self._fingers is not None:
+            self._fingers.let_go()
         if self._ledges is not None:
             self._ledges.free()
 
@@ -285,6 +290,8 @@ class RobotBody:
         front, rear = self._bumpers(contacts) if contacts else (0, 0)
         if self._gripper is not None:
             self._gripper.follow()
+        if self._fingers is not None:
+            self._fingers.follow()
         self._state = BodyState(
             left * self._left_rim,
             right * self._right_rim,

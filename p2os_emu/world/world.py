@@ -258,7 +258,7 @@ class World:
         return self.objects.places()
 
     def held(self, name: str) -> str | None:
-        """Return the name of the object that a robot's gripper holds; None where it holds none, or there is none.
+        """Return the name of the object that a robot's gripper or arm holds; None where it holds none.
 
         Raises:
             WorldError: There is no such robot.

@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 
 import configs
+from geometry import Pose2D
 from p2os import Command, RobotModel, encode_command
 from p2os.accessories.lms import LmsMode, LmsRequestCode
 from p2os.accessories.lms_framing import encode
@@ -20,6 +21,7 @@ from p2os_emu.links.line import LinkProfile
 from p2os_emu.links.memory import MemoryLink
 from p2os_emu.truth_rows import robot_row
 from p2os_emu.world import World, WorldSpec
+from p2os_emu.world.movable import Movable, Shape
 
 ACCESSORIES = {"gripper", "arm", "camera_head", "laser"}
 
@@ -89,6 +91,25 @@ def test_an_arm_reports_its_joints_in_radians_and_its_fingers_in_metres(world: W
     assert 0.05 < row["joints"][0] < 0.5
     assert row["speeds"][0] > 0.1
     assert row["opening"] == pytest.approx(arm.positions[-1])
+    assert row["held"] is None
+
+
+def test_an_arm_reports_what_it_holds() -> None:
+    post = Movable("post", Shape.CYLINDER, Pose2D(2.53), 0.045, 0.045, 0.38, 0.4, 0.5, "red")
+    with World(WorldSpec("hand", objects=(post,))) as world:
+        rig = Rig(world, "powerbot-sh", "arm")
+        arm = rig.robot.body.arm
+        assert arm is not None
+        world.place("happy", Pose2D())
+        for joint, angle in enumerate((0, 100, 0, 60, 0, 20, 90)):
+            arm.move(joint, radians(angle), 1.0)
+        arm.move(7, 0.07, 0.08)
+        rig.run(4.0)
+        world.place("happy", Pose2D(2.0))
+        arm.move(7, 0.03, 0.08)
+        rig.run(1.0)
+        assert rig.row()["arm"]["held"] == "post"
+        assert rig.row()["gripper"] is None
 
 
 def test_an_arm_has_power_when_it_is_told_so(world: World) -> None:

@@ -84,8 +84,10 @@ class PlainArm:
     """Joints that are at once where they are told to be, unless something holds them.
 
     orders: joint to what it was told last, (position, speed), or None for no power. told: how often it was.
-    held: joints that do not move.
+    held: joints that do not move. holds: an object is between the fingers.
     """
+
+    holds = False
 
     def __init__(self, joints: int) -> None:
         self.positions = [0.0] * joints
