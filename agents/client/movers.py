@@ -223,17 +223,26 @@ class ArmClient(_Mover[ArmReading]):
         """Move joints, by number, to angles, rad, at rad/s: `arm.move({1: 0.5})`."""
         return self._move("move", joints=dict(joints), **_given(speed=speed))
 
-    def reach(self, x: float, y: float, z: float, speed: float | None = None) -> ArmReading:
+    def reach(
+        self,
+        x: float,
+        y: float,
+        z: float,
+        speed: float | None = None,
+        pitch: float | None = None,
+        yaw: float | None = None,
+    ) -> ArmReading:
         """Bring the tip of the gripper to a point in the robot's frame `base_link`, m, with joints at rad/s.
 
-        x is ahead, y to the left, z above the floor: `arm.reach(0.45, 0.0, 0.3)`. The fingers stay as they are, and the
-        posture of the hand is free.
+        x is ahead, y to the left, z above the floor: `arm.reach(0.45, 0.0, 0.3)`. The fingers stay as they are. With
+        a pitch, the hand points so many rad below level, and its fingers part level; with a yaw also, so many rad to
+        the left of the robot's front, else away from the arm's base. Without a pitch the direction of the hand is free.
 
         Raises:
-            Refused: The point is out of reach, inside the robot or below the floor, or the arm would meet one of these
-                on its way; the message says how far the nearest point is.
+            Refused: The point is out of reach, also in this direction, inside the robot or below the floor, or the arm
+                would meet one of these on its way; the message says how far the nearest point is.
         """
-        return self._move("reach", x=x, y=y, z=z, **_given(speed=speed))
+        return self._move("reach", x=x, y=y, z=z, **_given(speed=speed, pitch=pitch, yaw=yaw))
 
     def home(self) -> ArmReading:
         """Send every joint home."""

@@ -4,8 +4,9 @@ import asyncio
 from collections.abc import Callable, Mapping
 from typing import Any, ClassVar
 
-from agents.components.arm_kinematics import ArmKinematics, ReachError
+from agents.components.arm_kinematics import ArmKinematics
 from agents.components.component import known
+from agents.components.hand_direction import ReachError
 from agents.components.motions import MotionGoal, Phase
 from agents.components.moving import MovingElementAgent, Result
 from agents.platform import on, request
@@ -91,17 +92,27 @@ class ArmAgent(MovingElementAgent):
 
     @request("reach", agrees_itself=True)
     async def reach(
-        self, x: float, y: float, z: float, speed: float | None = None, wait: bool = True, token: str = ""
+        self,
+        x: float,
+        y: float,
+        z: float,
+        speed: float | None = None,
+        pitch: float | None = None,
+        yaw: float | None = None,
+        wait: bool = True,
+        token: str = "",
     ) -> dict[str, Any]:
-        """Bring the tip of the gripper to a point, m in base_link; the fingers stay as they are.
+        """Bring the tip of the gripper to a point, m in base_link; the hand points `pitch` rad below level.
 
-        The result has the point as `tip`, by the joints as they are reported.
+        The direction of the hand is free without a pitch, and away from the arm's base without a yaw, rad to the left.
+        With a pitch, the fingers part level. They stay as they are. The result has the point as `tip`, by the joints as
+        they are reported.
         """
         kinematics = self._kinematics
         if kinematics is None:
             raise Refused("the lengths of the arm are not known; send its joints by move")
         present = self._angles(await self.read())
-        search = kinematics.reaching((x, y, z), present)
+        search = kinematics.reaching((x, y, z), present, pitch, yaw)
         try:
             while True:
                 next(search)

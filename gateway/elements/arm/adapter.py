@@ -160,7 +160,7 @@ def _chain(model: ArmModel) -> dict[str, Any]:
     """Return axes and lengths, m in base_link, when all joints are at zero.
 
     `base` is where the arm stands; `axes` and `offsets` are of each joint, an offset from the joint before; `tip` is
-    between the ends of the fingers, from the last joint.
+    between the ends of the fingers, from the last joint, and `fingers` is along which the fingers part.
     """
     gripper = model.gripper
     ahead = np.array(gripper.offset_m) / np.linalg.norm(gripper.offset_m)
@@ -170,6 +170,7 @@ def _chain(model: ArmModel) -> dict[str, Any]:
         "axes": [list(joint.axis) for joint in model.joints],
         "offsets": [list(joint.offset_m) for joint in model.joints],
         "tip": [round(each, 6) for each in tip.tolist()],
+        "fingers": list(gripper.axis),
     }
 
 

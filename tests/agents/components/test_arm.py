@@ -1,5 +1,6 @@
 """The agents of both arms, from request to world and back, in virtual time."""
 
+from math import pi
 from typing import TYPE_CHECKING, Any
 
 import pytest
@@ -63,6 +64,19 @@ def test_tip_is_brought_to_a_point(powered: "Lab") -> None:
 
 
 TIP = {6: (0.45, 0.1, 0.4), 8: (0.5, 0.2, 0.7)}  # m, by the joints of the arm
+
+
+def test_hand_is_turned_down_at_a_point(powered: "Lab") -> None:
+    tip = {6: (0.45, 0.0, 0.2), 8: (0.53, 0.0, 0.4)}[len(joints(powered.value("arm", "read")))]
+    reached = powered.value("arm", "reach", **dict(zip("xyz", tip, strict=True)), pitch=0.6, yaw=0.0)
+    assert reached["tip"] == pytest.approx(tip, abs=0.01)
+    places = joints(reached)
+    bend = (
+        sum(places[name] for name in ("2", "4", "6")) - pi / 2
+        if len(places) == 8
+        else -sum(places[name] for name in ("2", "3", "5"))
+    )
+    assert bend == pytest.approx(0.6, abs=0.03)
 
 
 @pytest.mark.parametrize(

@@ -1,12 +1,14 @@
 """Kinematics of both arms: the tip by the joints as in the emulator's physics, and joints for a point, or a refusal."""
 
 from contextlib import suppress
-from math import pi
+from dataclasses import replace
+from math import atan2, cos, pi, sin
 
 import numpy as np
 import pytest
 
-from agents.components.arm_kinematics import ArmKinematics, ReachError
+from agents.components.arm_kinematics import ArmKinematics
+from agents.components.hand_direction import ReachError
 from configs import load
 from gateway.elements.arm.adapter import _chain
 from p2os.accessories.arm_model import ArmModel
@@ -103,6 +105,66 @@ def test_refusal_has_the_reason_and_the_nearest_distance(variant: str, point: tu
     with pytest.raises(ReachError) as refused:
         arm.reach(point, arm.home)
     assert why in str(refused.value)
+
+
+WORKSPACE = {  # x, y, z, m, and pitch, rad: from and to
+    "pioneer": ((0.42, 0.55), (-0.15, 0.15), (0.12, 0.35), (0.0, 0.6)),
+    "powercube": ((0.45, 0.58), (-0.2, 0.2), (0.37, 0.5), (0.6, pi / 2)),
+}
+
+
+def test_hand_points_where_it_is_told_with_level_fingers_and_the_tip_at_the_point(variant: str) -> None:
+    arm, rng = kinematics(variant), np.random.default_rng(SEED)
+    reached = 0
+    for _ in range(16):
+        x, y, z, pitch = (float(rng.uniform(*ends)) for ends in WORKSPACE[variant])
+        with suppress(ReachError):
+            angles = arm.reach((x, y, z), arm.home, pitch)
+            reached += 1
+            assert np.all((angles >= arm.lower) & (angles <= arm.upper))
+            assert np.linalg.norm(arm.forward(angles) - (x, y, z)) < 0.003
+            hand, yaw = arm.direction(angles), atan2(y - arm.base[1], x - arm.base[0])
+            assert hand.ahead == pytest.approx((cos(pitch) * cos(yaw), cos(pitch) * sin(yaw), -sin(pitch)), abs=0.012)
+            assert abs(hand.across @ (-sin(yaw), cos(yaw), 0.0)) > 0.999, "the fingers part level"
+    assert reached >= 10
+
+
+def test_hand_turns_to_a_yaw_that_is_not_that_of_the_point() -> None:
+    arm = kinematics("powercube")
+    hand = arm.direction(arm.reach((0.5, 0.0, 0.45), arm.home, 1.2, 0.5))
+    assert atan2(hand.ahead[1], hand.ahead[0]) == pytest.approx(0.5, abs=0.03)
+    assert hand.across[2] == pytest.approx(0.0, abs=0.012)
+
+
+def test_arm_that_reaches_straight_ahead_is_not_twisted() -> None:
+    arm = kinematics("powercube")
+    low = arm.reach((0.53, 0.0, 0.38), arm.home, pi / 2)
+    high = arm.reach((0.53, 0.0, 0.55), low, pi / 2)
+    for angles in (low, high):
+        assert angles[[0, 2, 4]] == pytest.approx((0.0, 0.0, 0.0), abs=0.02)
+
+
+@pytest.mark.parametrize(
+    ("pitch", "yaw", "why"),
+    [
+        (1.8, None, "pitch must be -1.571 to 1.571 rad, not 1.8"),
+        (float("nan"), None, "pitch must be -1.571 to 1.571 rad, not nan"),
+        (0.5, 4.0, "yaw must be -3.142 to 3.142 rad, not 4"),
+        (None, 0.5, "yaw 0.5 rad needs a pitch"),
+        (-1.5, None, "with the hand in this direction; the nearest posture that was found is 0"),
+    ],
+)
+def test_refusal_of_a_direction_has_the_reason(pitch: float | None, yaw: float | None, why: str) -> None:
+    arm = kinematics("powercube")
+    with pytest.raises(ReachError) as refused:
+        arm.reach((0.53, 0.0, 0.38), arm.home, pitch, yaw)
+    assert why in str(refused.value)
+
+
+def test_arm_that_does_not_tell_how_its_fingers_part_takes_no_direction() -> None:
+    arm = replace(kinematics("powercube"), fingers=np.zeros(3))
+    with pytest.raises(ReachError, match="is not known; leave out pitch and yaw"):
+        arm.reach((0.53, 0.0, 0.38), arm.home, 1.5)
 
 
 def test_limit_of_a_joint_is_the_reason_where_it_is() -> None:
