@@ -68,6 +68,7 @@ class JointedArm:
         self._holding = FrictionHold(client, body, fingers[0] - 1, objects, model.gripper.friction)
         self._held_at = 0.0  # m between the fingers
         self._closing: float | None = None  # to how many m, while fingers close
+        self._finger_speed = model.gripper.speed_m_s
         self._fingers = fingers
         self._servos = (*joints, _Servo(fingers, 0.0, model.gripper.opening_m, force, force))
         self._links = [link for servo in self._servos for link in servo.links]
@@ -102,7 +103,11 @@ class JointedArm:
         self._on_command()
         servo = self._servos[joint]
         if servo.links == self._fingers:
-            self._move_fingers(position)
+            position = self._allowed(position)
+            self._finger_speed = speed
+        self._drive(servo, position, speed)
+
+    def _drive(self, servo: _Servo, position: float, speed: float) -> None:
         share = len(servo.links)
         for link in servo.links:
             self._client.setJointMotorControl2(
@@ -143,6 +148,8 @@ class JointedArm:
                 holding.let_go()
                 if self._between() == held:
                     holding.take(held, self._gripper.force_n)
+                elif self._closing is not None:
+                    self._drive(self._servos[-1], self._closing, self._finger_speed)
         elif self._closing is not None:
             opening = self._opening
             if opening <= self._closing + ARRIVED:
@@ -150,13 +157,17 @@ class JointedArm:
             elif (met := self._between()) is not None:
                 self._held_at = opening
                 holding.take(met, self._gripper.force_n)
+                self._drive(self._servos[-1], opening, self._finger_speed)  # the object does not give way
 
-    def _move_fingers(self, opening: float) -> None:
-        """Note whether fingers that go to an opening, m, close; fingers that open let go."""
+    def _allowed(self, opening: float) -> float:
+        """Return to which opening fingers go that are sent to one, m; they let go when they open."""
+        if self._holding.held is not None and opening > self._held_at:
+            self.let_go()
         if self._holding.held is None:
             self._closing = opening if opening < self._opening else None
-        elif opening > self._held_at:
-            self.let_go()
+            return opening
+        self._closing = opening
+        return self._held_at
 
     @property
     def _opening(self) -> float:
