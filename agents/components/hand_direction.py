@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
 
-_ROUNDING = 1e-6  # rad
+_ROUNDING = 1e-3  # rad by which an angle may lie beyond a limit: what people round
 
 
 class ReachError(ValueError):
