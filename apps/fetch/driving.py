@@ -14,6 +14,7 @@ _NEARER = 0.05  # m, that count as coming nearer
 _LEAST_TURN = 0.06  # rad/s; slower, wheels do not turn
 _MOST_STEER = 0.3  # rad/s on the straight way
 _MOST_TURN = 0.4  # rad/s of a turn to a point
+_SHORT_OF = 0.3  # rad below half a turn to which it unwinds, so that the way there is the shorter one
 _SLOWER = 0.1  # m before the straight part of an approach, from which on the robot creeps
 
 
@@ -94,7 +95,7 @@ class FetchDriving:
             self.way = self.way[:1] + self.way[2:]
         (x, y), most = self.way[-1], self._settings.drive.turn_rad_s
         off = self._wound - atan2(y - pose.y, x - pose.x)
-        self._is_unwound = self._is_unwound or abs(off) <= pi
+        self._is_unwound = self._is_unwound or abs(off) <= pi - _SHORT_OF
         if self._is_unwound:
             return self._floor.follow(now, pose, self.way, discs)
         self.pause(now)
@@ -107,7 +108,7 @@ class FetchDriving:
         return Twist2D(0.0, rate if abs(rate) > _LEAST_TURN else copysign(_LEAST_TURN, off))
 
     def straight_to(self, pose: Pose2D, goal: Point, left: float) -> Twist2D:
-        """Return the velocity straight to a point, until it is between the paddles, which is so many m away."""
+        """Return the velocity straight to a point, until it is between the fingers, which is so many m away."""
         drive, straight = self._settings.drive, self._settings.grip.straight_m
         speed = drive.creep_m_s if left < straight - self._settings.robot.grip_m + _SLOWER else drive.speed_m_s / 2.0
         away = hypot(goal[0] - pose.x, goal[1] - pose.y)
