@@ -1,9 +1,10 @@
-"""Fetching objects in seeded rooms in lockstep; writes fetch.md and a picture of one delivery."""
+"""Fetching objects with gripper and arm in seeded rooms in lockstep; writes fetch.md and a picture of one delivery."""
 
 import argparse
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 from apps.fetch.plots import draw_fetching
@@ -11,10 +12,11 @@ from apps.fetch.record import FetchRecord
 from apps.fetch.settings import FetchSettings
 from apps.fetch.states import FetchState
 from benchmarks.drives import drive_all
-from benchmarks.fetch_course import ROBOT, FetchCourse, fetch_room
+from benchmarks.fetch_course import ARM_FIT, ARM_ROOMS, ARMED, FIT, GRIPPER_ROOMS, MODEL, ROBOT, FetchCourse, fetch_room
 from benchmarks.figures import Figure, percentile
 
 SEEDS = range(90, 110)  # settings were tuned on seeds 0 to 9; drives of 10 to 77 have shown faults
+ARM_SEEDS = range(200, 206)  # settings were tuned on seeds 0 to 5
 LONGEST = 700.0  # s of one drive
 NEAR, MOVED = 0.15, 0.01  # m from the place, and of another object
 UPRIGHT = 0.01  # m that the middle of the object may be lower than when it stands
@@ -47,14 +49,18 @@ def measure(options: argparse.Namespace) -> list[Figure]:
     """Fetch in all rooms, several at the same time, and judge by the truth."""
     options.out.mkdir(parents=True, exist_ok=True)
     scores = drive_all(fetch, options.seeds or SEEDS, options, row)
-    (options.out / "fetch.md").write_text(page(scores), encoding="utf-8")
-    return figures(scores)
+    with_arm = drive_all(partial(fetch, with_arm=True), options.seeds or ARM_SEEDS, options, row)
+    text = page(scores, "gripper") + "\n" + page(with_arm, "arm")
+    (options.out / "fetch.md").write_text(text, encoding="utf-8")
+    return [*figures(scores), *figures(with_arm, ", arm")]
 
 
-def fetch(seed: int, out: Path | None = None) -> FetchScore:
-    """Fetch in the room of a seed; draw it into a folder."""
-    world, place = fetch_room(seed)
-    with FetchCourse(world, FetchSettings.load(), place, seed=seed) as course:
+def fetch(seed: int, out: Path | None = None, *, with_arm: bool = False) -> FetchScore:
+    """Fetch in the room of a seed, with the gripper of a Pioneer or the arm of a PowerBot; draw it into a folder."""
+    world, place = fetch_room(seed, ARM_ROOMS if with_arm else GRIPPER_ROOMS)
+    settings = FetchSettings.load_for_arm() if with_arm else FetchSettings.load()
+    model, fit = (ARMED, ARM_FIT) if with_arm else (MODEL, FIT)
+    with FetchCourse(world, settings, place, seed=seed, model=model, fit=fit) as course:
         record = FetchRecord(ROBOT, "red", place)
         while course.time < LONGEST and not course.cycle.fetcher.has_ended:
             course.step()
@@ -84,23 +90,34 @@ def fetch(seed: int, out: Path | None = None) -> FetchScore:
             record.gripped_at = first.pose.x, first.pose.y
             walls = [block.footprint for block in (*world.walls, *world.furniture)]
             title = f"seed {seed}: true path; the object stands {100 * off:.0f} cm from the place"
-            draw_fetching(out / "fetch.svg", record, title, walls, [(each.pose.x, each.pose.y) for each in others])
+            draw_fetching(
+                out / ("fetch_arm.svg" if with_arm else "fetch.svg"),
+                record,
+                title,
+                walls,
+                [(each.pose.x, each.pose.y) for each in others],
+            )
         return FetchScore(seed, end, off, drift, touched, course.time, record.way, is_delivered, costs)
 
 
-def figures(scores: Sequence[FetchScore]) -> list[Figure]:
-    """Return the figures of several drives."""
+def figures(scores: Sequence[FetchScore], kind: str = "") -> list[Figure]:
+    """Return the figures of several drives; kind: what is added to their names."""
     count = len(scores)
     costs = [each for score in scores for each in score.costs]
     missed, touched = sum(not each.is_delivered for each in scores), sum(bool(each.touched) for each in scores)
     offs = [each.off for each in scores if each.end == FetchState.DELIVERED.value]
     return [
-        Figure(GROUP, f"starts of {count} without delivery within 15 cm", missed, count * FAILED, "", count),
-        Figure(GROUP, f"starts of {count} in which anything else was touched", touched, 0.0, "", count),
+        Figure(GROUP, f"starts of {count} without delivery within 15 cm{kind}", missed, count * FAILED, "", count),
+        Figure(GROUP, f"starts of {count} in which anything else was touched{kind}", touched, 0.0, "", count),
         Figure(
-            GROUP, "object to place, p50 of what was put down", percentile(offs or [math.inf], 50), NEAR, "m", len(offs)
+            GROUP,
+            f"object to place, p50 of what was put down{kind}",
+            percentile(offs or [math.inf], 50),
+            NEAR,
+            "m",
+            len(offs),
         ),
-        Figure(GROUP, "processor time of one decision, p99", percentile(costs, 99), 100.0, "ms", len(costs)),
+        Figure(GROUP, f"processor time of one decision, p99{kind}", percentile(costs, 99), 100.0, "ms", len(costs)),
     ]
 
 
@@ -112,10 +129,10 @@ def row(score: FetchScore) -> str:
     )
 
 
-def page(scores: Sequence[FetchScore]) -> str:
-    """Return a table of all drives."""
+def page(scores: Sequence[FetchScore], hand: str) -> str:
+    """Return a table of all drives with a hand."""
     head = (
         "| seed | delivered | object to place, cm | error of odometry, cm | s | path, m | touched else | end |\n"
         "|---|---|---|---|---|---|---|---|\n"
     )
-    return "# Fetching with the gripper\n\n" + head + "\n".join(map(row, scores)) + "\n"
+    return f"# Fetching with the {hand}\n\n" + head + "\n".join(map(row, scores)) + "\n"

@@ -3,16 +3,15 @@
 import math
 import time
 from collections.abc import Callable
-from contextlib import suppress
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from random import Random
 
 from acromovi.lockstep import Lockstep
-from agents.components.gripper import GripperAgent
 from apps.fetch.cycle import FetchCycle
 from apps.fetch.settings import FetchSettings
-from apps.fetch.states import FetchOrders, GripperState
-from bus import Refused, Sample, keys
+from apps.fetch.states import FetchOrders
+from benchmarks.fetch_hands import LockstepArm, LockstepGripper, LockstepHand
+from bus import Sample, keys
 from bus.bus import Closeable
 from bus.messages import NS_PER_S, decode, heading, stamp_ns, twist
 from geometry import Point, Pose2D, Twist2D
@@ -25,19 +24,54 @@ from p2os_emu.world.spec import WallEntry
 ROBOT, MODEL = "bart", "p3dx-sh"
 FIT = "gripper,no-rear-sonar,ptz:vcc4,camera:160x120@10"  # as robots of the team acromovi
 CONNECTING = 3.0  # s in which the driver connects, and the head is ready
-LENGTHS, DEPTHS = (5.0, 7.0), (4.5, 6.0)  # m of rooms
+ARMED, ARM_FIT = "powerbot-sh", "arm,ptz:vcc4,camera:320x240@5"
 PIECES, OTHERS = (2, 4), (1, 3)  # of furniture, and objects of other colours
 COLOURS = ("wood", "brown", "cream", "dark grey", "white")
-FETCHED, HEIGHTS = (0.08, 0.13), (0.1, 0.26)  # m of the object, which when lifted stays below the sonar, and of others
-ROOM = 0.75  # m about the object, and about the place, that is free
-APART = 1.0  # m from the object to the place and to the robot, and between objects
-_PASSAGE = 0.6  # m, radius of a disc that gets everywhere
+HEIGHTS = (0.1, 0.26)  # m of other objects
 
 
-def fetch_room(seed: int) -> tuple[WorldSpec, Point]:
+@dataclass(frozen=True, slots=True)
+class FetchRooms:
+    """Rooms for one kind of robot; all in m, from and to.
+
+    name: in the seed. length, depth: of the room. heights: of the object. boxes, tins: widths of objects by their
+    shape. free: about object and place. apart: from the object to the place and to the robot, and between objects.
+    passage: radius of a disc that gets everywhere. margin: of places from the walls.
+    """
+
+    name: str
+    length: tuple[float, float]
+    depth: tuple[float, float]
+    heights: tuple[float, float]
+    boxes: tuple[float, float]
+    tins: tuple[float, float]
+    free: float
+    apart: float
+    passage: float
+    margin: float
+
+
+GRIPPER_ROOMS = FetchRooms(
+    "fetch room",
+    (5.0, 7.0),
+    (4.5, 6.0),
+    (0.08, 0.13),  # so that when lifted it stays below the sonar
+    (0.05, 0.09),
+    (0.05, 0.09),
+    0.75,
+    1.0,
+    0.6,
+    0.7,
+)
+ARM_ROOMS = FetchRooms(
+    "fetch room for an arm", (7.0, 9.0), (6.0, 8.0), (0.38, 0.43), (0.032, 0.042), (0.036, 0.05), 1.1, 1.5, 0.95, 1.1
+)
+
+
+def fetch_room(seed: int, rooms: FetchRooms = GRIPPER_ROOMS) -> tuple[WorldSpec, Point]:
     """Return a room with furniture, a red object and objects of other colours, and the place for the red one."""
-    rng = Random(f"{seed} fetch room")
-    length, depth = rng.uniform(*LENGTHS), rng.uniform(*DEPTHS)
+    rng = Random(f"{seed} {rooms.name}")
+    length, depth = rng.uniform(*rooms.length), rng.uniform(*rooms.depth)
     corners = ((0.0, 0.0), (length, 0.0), (length, depth), (0.0, depth))
     walls = tuple(
         block
@@ -46,21 +80,21 @@ def fetch_room(seed: int) -> tuple[WorldSpec, Point]:
     )
     while True:
         pieces = tuple(_piece(rng, length, depth, number) for number in range(rng.randint(*PIECES)))
-        spec = WorldSpec(f"fetch room {seed}", walls=walls, furniture=pieces)
-        space = FreeSpace(spec, ROOM)
+        spec = WorldSpec(f"{rooms.name} {seed}", walls=walls, furniture=pieces)
+        space = FreeSpace(spec, rooms.free)
         places: list[Point] = []
         for _ in range(400):
-            place = rng.uniform(0.7, length - 0.7), rng.uniform(0.7, depth - 0.7)
-            if space.is_free(place) and all(math.dist(place, other) > APART for other in places):
+            place = rng.uniform(rooms.margin, length - rooms.margin), rng.uniform(rooms.margin, depth - rooms.margin)
+            if space.is_free(place) and all(math.dist(place, other) > rooms.apart for other in places):
                 places.append(place)
             if len(places) == 3 + OTHERS[1]:
                 break
-        if len(places) == 3 + OTHERS[1] and are_connected(FreeSpace(spec, _PASSAGE), places):
+        if len(places) == 3 + OTHERS[1] and are_connected(FreeSpace(spec, rooms.passage), places):
             break
     start, place, thing, *others = places
-    objects = [_thing(rng, "object", "red", thing, FETCHED)]
+    objects = [_thing(rng, "object", "red", thing, rooms, rooms.heights)]
     for number, other in enumerate(others[: rng.randint(*OTHERS)]):
-        objects.append(_thing(rng, f"other {number}", rng.choice(("green", "blue", "yellow")), other, HEIGHTS))
+        objects.append(_thing(rng, f"other {number}", rng.choice(("green", "blue", "yellow")), other, rooms, HEIGHTS))
     pose = Pose2D(*start, rng.uniform(-math.pi, math.pi))
     return replace(spec, objects=tuple(objects), starts=(pose,)), place
 
@@ -80,10 +114,13 @@ def _piece(rng: Random, length: float, depth: float, number: int) -> Block:
     )
 
 
-def _thing(rng: Random, name: str, colour: str, place: Point, heights: tuple[float, float]) -> Movable:
+def _thing(
+    rng: Random, name: str, colour: str, place: Point, rooms: FetchRooms, heights: tuple[float, float]
+) -> Movable:
     shape = rng.choice(tuple(Shape))
-    long = rng.uniform(0.05, 0.09)
-    wide = long if shape is Shape.CYLINDER else rng.uniform(0.05, 0.09)
+    widths = rooms.tins if shape is Shape.CYLINDER else rooms.boxes
+    long = rng.uniform(*widths)
+    wide = long if shape is Shape.CYLINDER else rng.uniform(*widths)
     pose = Pose2D(*place, rng.uniform(-math.pi, math.pi))
     return Movable(name, shape, pose, long, wide, rng.uniform(*heights), rng.uniform(0.2, 0.5), 0.5, colour)
 
@@ -104,6 +141,7 @@ class FetchCourse(Closeable):
         colour: str = "red",
         seed: int = 0,
         perfect: bool = False,
+        model: str = MODEL,
         fit: str = FIT,
     ) -> None:
         """Place the robot at the first start of the world.
@@ -115,7 +153,8 @@ class FetchCourse(Closeable):
             colour: Of the object.
             seed: Of every error.
             perfect: No errors of odometry and sonar.
-            fit: Accessories.
+            model: Of the robot.
+            fit: Accessories; an arm is used in place of a gripper.
         """
         self.world, self.settings = world, settings
         self.told: list[str] = []
@@ -123,9 +162,8 @@ class FetchCourse(Closeable):
         self.costs: list[float] = []
         self.has_camera = True
         self.orders: FetchOrders | None = None
-        self.lockstep = Lockstep(world, {ROBOT: MODEL}, fits={ROBOT: fit}, seed=seed, perfect=perfect)
+        self.lockstep = Lockstep(world, {ROBOT: model}, fits={ROBOT: fit}, seed=seed, perfect=perfect)
         self._bus = self.lockstep.bus()
-        self._gripper = GripperAgent(f"gripper@{ROBOT}")
         self.lockstep.run(CONNECTING)
         start = self.lockstep.truth(ROBOT)
         described = self._bus.query(keys.DESCRIPTION.key(ROBOT))[0].value
@@ -133,12 +171,15 @@ class FetchCourse(Closeable):
             disc["frame"]: Pose2D(disc["x"], disc["y"], disc["heading"]) for disc in described["geometry"]["sonar"]
         }
         view = {"field_of_view": self.lockstep.view(ROBOT).field_of_view}
-        self.cycle = FetchCycle(settings, colour, start.locate(*place), view)
+        has_arm = "arm" in fit.split(",")
+        self.hand: LockstepHand = (
+            LockstepArm(self._bus, ROBOT, described, settings) if has_arm else LockstepGripper(self._bus, ROBOT)
+        )
+        self.cycle = FetchCycle(settings, colour, start.locate(*place), view, self.hand.hand)
         self.start = start
         for topic, take in (
             (keys.ODOM, self._take_odometry),
             (keys.SONAR, self._take_sonar),
-            (keys.GRIPPER, self._take_gripper),
             (keys.BUMPERS, self._take_bumpers),
             (keys.PTZ, self._take_head),
             (keys.CAMERA, self._take_image),
@@ -163,6 +204,7 @@ class FetchCourse(Closeable):
     def step(self) -> None:
         """Let one period pass, and decide."""
         self.lockstep.run(self.settings.period_s)
+        self.hand.step(self.time)
         begin = time.process_time()
         orders = self.cycle.step(self.time)
         self.costs.append(time.process_time() - begin)
@@ -172,9 +214,8 @@ class FetchCourse(Closeable):
         self.orders = orders
         if orders.changed:
             self.told.append(f"{self.time:.1f} s: {orders.state.value}: {orders.reason}")
-        if orders.gripper:
-            with suppress(Refused):  # it is reported by the gripper, that it does not move
-                self._bus.query(keys.GRIP.key(ROBOT), {"do": orders.gripper, "detach": True})
+        if orders.motion is not None:
+            self.hand.begin(orders.motion, self.time)
         self._bus.put(keys.CMD_VEL.key(ROBOT), twist(orders.twist.linear, orders.twist.angular))
 
     def touched(self) -> list[str]:
@@ -198,10 +239,6 @@ class FetchCourse(Closeable):
         self.cycle.take_sonar(
             stamp_ns(message.header) / NS_PER_S, discs, [float(each.range) for each in message.ranges]
         )
-
-    def _take_gripper(self, sample: Sample) -> None:
-        told = self._gripper.result(decode(sample.type_name, sample.payload))
-        self.cycle.take_gripper(GripperState.of(told))
 
     def _take_bumpers(self, sample: Sample) -> None:
         flags = decode(sample.type_name, sample.payload)

@@ -19,6 +19,7 @@ CALIBRATION = "tests/acromovi/test_camera.py, on drawn chessboards"
 DOCKING = "tests/apps/docking/test_on_a_team.py"
 CONSOLE = "tests/apps/console, on any free port"
 FETCH = "tests/apps/fetch/test_on_a_team.py"
+FETCH_BY_ARM = "tests/apps/fetch/test_arm_on_a_team.py"
 SURVEILLANCE = "tests/apps/surveillance"
 WORLD = "tests/acromovi/test_world.py, with an emulator that no other test finds"
 RECORDING = "tests/acromovi/test_recording_page.py"
@@ -107,6 +108,8 @@ ELSEWHERE = {
     "acromovi run fetch robot=bart colour=red place=[0.5,0.6]": FETCH,
     "acromovi promote fetch robot=bart colour=red place=[0.5,0.6]": FETCH,
     "acromovi ask fetch@apps status": FETCH,
+    "acromovi up posts.toml": FETCH_BY_ARM,
+    "acromovi run fetch robot=max colour=red place=[1.0,1.5]": FETCH_BY_ARM,
     "acromovi up charge.toml": DOCKING,
     "acromovi run docking robot=max dock=[1.5,0,0]": DOCKING,
     "acromovi localize doc --map office.map --pose 6.0 1.8 1.57": LOCALIZATION,

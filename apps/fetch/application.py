@@ -7,8 +7,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import configs
-from agents import Robot, RobotError, Stopped, Team, request
+from agents import NotThere, Robot, RobotError, Stopped, Team, request
 from apps.background import BackgroundRequests, stop_first
+from apps.fetch.hands import ArmHand, Hand, PaddleHand
 from apps.fetch.plots import draw_fetching
 from apps.fetch.record import FetchRecord
 from apps.fetch.settings import FetchSettings
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
     from vision.colours import ColourTable
 
 SERVICES = ("fetching",)  # for the directory, when it runs as an agent
-HAVING = ("base", "camera", "gripper", "sonar")
+HAVING = ("base", "camera", "sonar")  # besides a gripper or an arm
 _MOST_REQUESTS = 10  # at the same time
 
 _running: "list[FetchRobot]" = []
@@ -41,40 +42,39 @@ def main(
 
     Args:
         team: The robots on the bus.
-        robot: Its name; any robot with camera, gripper and sonar if empty.
+        robot: Its name; any robot with camera, sonar, and gripper or arm if empty.
         colour: Of the object: a name in the settings, or of a trained channel.
         place: Where it is to stand, m and m in the robot's frame `odom`, as `[1,0.5]`; where the robot is if empty.
-        settings: A file with changes of `settings.toml`.
+        settings: A file with changes of `settings.toml`, and for a robot with an arm of `arm.toml`.
         colours: A file of the agent `colours`, or `trained` for what that of the robot has been trained to. Without it,
             the colours of the settings.
         picture: File for the plot at the end; none if empty.
     Raises:
         RobotError: An argument is not valid, the robot or an element is missing, or the object could not be fetched.
     """
+    check_picture(picture)
+    goal = _place(place)
+    me = _robot(team, robot)
     try:
-        tuned = FetchSettings.load(settings)
+        tuned = FetchSettings.load(settings) if me.has("gripper") else FetchSettings.load_for_arm(settings)
         require("fetching", "vision")
     except configs.ConfigError as err:
         raise RobotError(str(err)) from err
-    check_picture(picture)
-    goal = _place(place)
-    me = team.robot(robot, having=HAVING)
     table = _table(team, me, tuned, colour, colours)
-    if me.gripper.read().holds:
-        raise RobotError(f"the gripper of {me.name} holds something already; open it first")
+    hand = _hand(me, tuned)
     from apps.fetch.robot import FetchRobot  # it loads OpenCV, which may be missing
 
     requests = BackgroundRequests(_MOST_REQUESTS, "fetch")
     start = me.base.pose()
     record = FetchRecord(me.name, colour, goal or (start.x, start.y))
     try:
-        _running[:] = [FetchRobot(me, requests, tuned, colour, record.place, table)]
+        _running[:] = [FetchRobot(me, requests, tuned, colour, record.place, hand, table)]
         _fetch(team, _running[0], record, tuned)
         me.base.stop()
     finally:
         stop_first([me])
         with suppress(RobotError, Stopped):  # it stands or holds what it has, and the program is ending
-            me.gripper.stop()
+            (me.gripper if hand.element == "gripper" else me.arm).stop()
         requests.close()
         _finish(record, picture)
     fetcher = _running[0].cycle.fetcher
@@ -124,6 +124,43 @@ def _fetch(team: Team, robot: "FetchRobot", record: FetchRecord, settings: Fetch
             next_report = now + settings.report_s
         if fetcher.has_ended:
             return
+
+
+def _robot(team: Team, name: str) -> Robot:
+    """Return a robot with a gripper, or else with an arm.
+
+    Raises:
+        NotThere: It is not present, or has neither.
+    """
+    try:
+        return team.robot(name, having=(*HAVING, "gripper"))
+    except NotThere:
+        if not any("arm" in each.elements for each in team.robots() if name in ("", each.name)):
+            raise
+    return team.robot(name, having=(*HAVING, "arm"))
+
+
+def _hand(robot: Robot, settings: FetchSettings) -> Hand:
+    """Return the hand of a robot.
+
+    Raises:
+        RobotError: It holds something, or its arm has no fingers.
+    """
+    if robot.has("gripper"):
+        if robot.gripper.read().holds:
+            raise RobotError(f"the gripper of {robot.name} holds something already; open it first")
+        return PaddleHand()
+    hand = ArmHand.of(settings, robot.arm.properties)
+    if hand is None:
+        raise RobotError(f"the arm of {robot.name} has no fingers that it knows of; use a robot with a gripper")
+    reading = robot.arm.read()
+    hand.take({"joints": reading.joints})
+    if reading.homed and hand.state is not None and hand.state.fingers == "between":
+        raise RobotError(
+            f"the fingers of {robot.name} may hold something; open them first, by acromovi ask arm@{robot.name} move "
+            f"'joints={{\"{hand.finger_joint}\": {hand.opening:.2g}}}'"
+        )
+    return hand
 
 
 def _tell(record: FetchRecord, now: float, told: str) -> None:

@@ -1,13 +1,14 @@
-"""The cycle of one robot: images, odometry, sonar and gripper in, orders out. No bus, no clock."""
+"""The cycle of one robot: images, odometry, sonar and hand in, orders out. No bus, no clock."""
 
 from collections.abc import Mapping, Sequence
 from math import hypot, inf
 from typing import Any
 
 from apps.fetch.fetcher import Fetcher
+from apps.fetch.hands import Hand
 from apps.fetch.settings import FetchSettings
 from apps.fetch.sight import ObjectSight, named_colours
-from apps.fetch.states import FetchOrders, FetchReadings, GripperState
+from apps.fetch.states import FetchOrders, FetchReadings
 from apps.robot_following.history import StampedPoses
 from geometry import Point, Pose2D, Twist2D
 from vision.camera_model import camera_model
@@ -30,6 +31,7 @@ class FetchCycle:
         colour: str,
         place: Point,
         camera: Mapping[str, Any],
+        hand: Hand,
         table: ColourTable | None = None,
     ) -> None:
         """Begin without readings.
@@ -39,16 +41,16 @@ class FetchCycle:
             colour: Of the object; name of a channel.
             place: Where it is to stand, m in odom.
             camera: Properties of the camera's agent: its model or field of view.
+            hand: What grips the object.
             table: Trained channels; None for the colours of the settings.
         """
-        self.fetcher = Fetcher(settings, colour, place)
+        self.fetcher = Fetcher(settings, colour, place, hand)
         self.seen = "no image has come"
         self._settings, self._camera = settings, camera
         self._table = table or named_colours(settings.shades)
         self._poses = StampedPoses(_BEYOND)
         self._pan = self._tilt = 0.0
         self._head_moves = False
-        self._gripper: GripperState | None = None
         self._images, self._image_at, self._heard_at = 0, -inf, -inf
         self._has_stalled = False
         self._sight: ObjectSight | None = None
@@ -64,9 +66,9 @@ class FetchCycle:
         """Take where the head looks, rad to the left and up; images are not used while it moves."""
         self._pan, self._tilt, self._head_moves = pan, tilt, is_moving
 
-    def take_gripper(self, state: GripperState) -> None:
-        """Take a reading of the gripper."""
-        self._gripper = state
+    def take_hand(self, reading: Mapping[str, Any]) -> None:
+        """Take a reading of the gripper or the arm."""
+        self.fetcher.hand.take(reading)
 
     def take_contact(self) -> None:
         """Take that the wheels stall or a bumper is pressed."""
@@ -95,7 +97,7 @@ class FetchCycle:
         words = ", ".join(f"{each.colour} {hypot(each.x, each.y):.2f} m" for each in found)
         self.seen = words or "nothing of the known colours"
         found = [each for each in found if not self.fetcher.is_held(each.x, each.y)]
-        self.fetcher.objects.take(stamp, robot, found, sight.view(self._tilt))
+        self.fetcher.objects.take(stamp, robot, found, sight.view(self._tilt), covered=self.fetcher.hand.covers)
 
     def pose(self, now: float) -> Pose2D | None:
         """Return where the robot is in odom; None without a recent reading."""
@@ -112,7 +114,7 @@ class FetchCycle:
             if self.seen.startswith("an image cannot"):
                 blind = self.seen
         stalled, self._has_stalled = self._has_stalled, False
-        return self.fetcher.step(FetchReadings(now, pose, self._gripper, self._images, blind, stalled))
+        return self.fetcher.step(FetchReadings(now, pose, self.fetcher.hand.state, self._images, blind, stalled))
 
     def _sight_for(self, width: int, height: int) -> ObjectSight:
         """Return what finds objects in images of a size, px.

@@ -5,15 +5,16 @@ from math import hypot, pi
 
 from apps.fetch.driving import FetchDriving
 from apps.fetch.floor import Disc, FetchFloor
+from apps.fetch.hands import Hand
 from apps.fetch.objects import FloorObject, FloorObjects
 from apps.fetch.settings import FetchSettings
-from apps.fetch.states import FetchOrders, FetchReadings, FetchState, GripperState
+from apps.fetch.states import FetchOrders, FetchReadings, FetchState, HandState
 from geometry import Point, Pose2D, Twist2D
 
 _REST = Twist2D()
 _ROOM = 0.12  # m before the hull, from which on an echo stops a straight approach
 _HALF_TURN = 1.75 * pi  # rad that it turns to look about
-_AGAIN = 3.0  # s after which an order to a gripper that rests elsewhere is repeated
+_AGAIN = 3.0  # s after which an order to a hand that rests elsewhere is repeated
 _CLEARED = 0.35  # m about an object, from where a sonar cone's echo of it may seem to come
 _DOUBT = 0.03  # m, of heights
 _HELD = 0.9, 0.2  # m ahead and to each side, where the camera sees what is held, taken for something on the floor
@@ -29,6 +30,7 @@ _HOLDING = frozenset(
         FetchState.RELEASE,
     )
 )
+_CARRYING = frozenset((FetchState.CARRY, FetchState.TURN_BACK, FetchState.DELIVER))
 _SEEING = frozenset((FetchState.SEARCH, FetchState.WANDER, FetchState.APPROACH, FetchState.ALIGN, FetchState.CARRY))
 _WAITING = frozenset((FetchState.ALIGN, FetchState.GRIP, FetchState.LIFT, FetchState.LOWER, FetchState.RELEASE))
 _NEARING = frozenset((FetchState.APPROACH, FetchState.ALIGN, FetchState.ADVANCE))
@@ -41,15 +43,17 @@ class Fetcher:
     objects, floor: kept up by who has the images and the sonar.
     """
 
-    def __init__(self, settings: FetchSettings, colour: str, place: Point) -> None:
+    def __init__(self, settings: FetchSettings, colour: str, place: Point, hand: Hand) -> None:
         """Begin.
 
         Args:
             settings: Of the application.
             colour: Of the object.
             place: Where it is to stand, m in odom.
+            hand: What it grips with.
         """
         self.settings = settings
+        self.hand = hand
         self.colour, self.place = colour, place
         self.objects, self.floor = FloorObjects(settings), FetchFloor(settings)
         self.state, self.reason = FetchState.SEARCH, f"no {colour} object is known yet"
@@ -59,7 +63,8 @@ class Fetcher:
         self._now = self._since = self._advanced = 0.0
         self._searched: float | None = None  # since when it searches, or s after the last grip
         self._is_facing = False  # the place, since it delivers
-        self._gripper = self._told = self._ordered = ""
+        self._is_deployed = False  # since it stands before the object
+        self._told = self._ordered = ""
         self._ordered_at = 0.0
         self._driving = FetchDriving(settings, self.floor)
         self._looked_from: list[Point] = []
@@ -67,7 +72,7 @@ class Fetcher:
         self._advance_from = Pose2D()
         self._back_from: Pose2D | None = None  # until it backs off
         self._next: Callable[[], None] = self._search
-        self._steps: dict[FetchState, Callable[[FetchReadings, GripperState], Twist2D]] = {
+        self._steps: dict[FetchState, Callable[[FetchReadings, HandState], Twist2D]] = {
             FetchState.SEARCH: self._step_search,
             FetchState.WANDER: self._step_wander,
             FetchState.APPROACH: self._step_approach,
@@ -92,6 +97,8 @@ class Fetcher:
     def ignored(self, robot: Pose2D) -> tuple[Disc, ...]:
         """Return where echoes of sonar are those of the object that is gripped or held."""
         target, body = self.target, self.settings.robot
+        if self.state in _CARRYING and body.lift_m > body.sonar_m + _DOUBT:
+            return ()  # it is above the sonar
         lift = body.lift_m if self.state in _HOLDING else 0.0
         if target is None or target.height + lift < body.sonar_m - _DOUBT:
             return ()
@@ -100,7 +107,7 @@ class Fetcher:
         return (Disc(*robot.transform(body.grip_m, 0.0), target.width / 2.0),) if self.state in _HOLDING else ()
 
     def is_held(self, x: float, y: float) -> bool:
-        """Return whether something seen at a point of the floor, m in base_link, is in the gripper."""
+        """Return whether something seen at a point of the floor, m in base_link, is in the hand."""
         return self.state in _HOLDING and x < _HELD[0] and abs(y) < _HELD[1]
 
     def step(self, readings: FetchReadings) -> FetchOrders:
@@ -116,20 +123,20 @@ class Fetcher:
             twist, words = _REST, f"stands: {readings.blind}"
         elif self.has_ended:
             twist, words = _REST, self.reason
-        elif readings.gripper is None:
-            twist, words = _REST, "stands: the gripper has not reported yet"
+        elif readings.hand is None:
+            twist, words = _REST, f"stands: the {self.hand.element} has not reported yet"
         else:
-            twist = self._steps[state](readings, readings.gripper)
+            twist = self._steps[state](readings, readings.hand)
             words = self.reason
-            self._order_again(readings.gripper)
+            self._order_again(readings.hand)
         changed = self.state is not state or words != self._told
         self._told = words
-        order, self._gripper = self._gripper, ""
-        return FetchOrders(twist if self.state is state else _REST, order, self.state, words, changed)
+        twist = twist if self.state is state else _REST
+        return FetchOrders(twist, self.hand.motion(), self.state, words, changed)
 
     # --- search
 
-    def _step_search(self, readings: FetchReadings, gripper: GripperState) -> Twist2D:
+    def _step_search(self, readings: FetchReadings, hand: HandState) -> Twist2D:
         if self._found(readings.pose):
             return _REST
         if self._now - (self._searched or 0.0) > self.settings.search.give_up_s:
@@ -141,7 +148,7 @@ class Fetcher:
             return _REST
         return self._driving.turn_about()
 
-    def _step_wander(self, readings: FetchReadings, gripper: GripperState) -> Twist2D:
+    def _step_wander(self, readings: FetchReadings, hand: HandState) -> Twist2D:
         if self._found(readings.pose):
             return _REST
         pose = readings.pose
@@ -174,6 +181,8 @@ class Fetcher:
 
     def _search(self) -> None:
         self._driving.look_about()
+        if self.hand.covers:
+            self._order("open")
         self.target = None
         self._go(
             FetchState.SEARCH, f"no {self.colour} object is known that can be fetched{self.objects.left(self.colour)}"
@@ -181,7 +190,7 @@ class Fetcher:
 
     # --- to the object
 
-    def _step_approach(self, readings: FetchReadings, gripper: GripperState) -> Twist2D:
+    def _step_approach(self, readings: FetchReadings, hand: HandState) -> Twist2D:
         target, pose, grip = self.target, readings.pose, self.settings.grip
         if target is None or not self.objects.has(target):
             self._lose(f"the {self.colour} object is not where it was any more")
@@ -196,7 +205,9 @@ class Fetcher:
         if self._driving.has_arrived(pose):
             self._go(FetchState.ALIGN, f"it stands {target.distance(pose.x, pose.y):.2f} m ahead")
             self._images = readings.images
-            self._order("deploy")
+            self._ordered, self._is_deployed = "", not self.hand.hides
+            if self._is_deployed:
+                self._order("deploy")
             return _REST
         if self._driving.is_stuck(self._now, pose):
             self.floor.bar(pose, self._driving.way)
@@ -205,7 +216,7 @@ class Fetcher:
         discs = (*self.objects.discs(self.target), Disc(target.x, target.y, target.width / 2.0))
         return self._driving.along(self._now, pose, discs)
 
-    def _step_align(self, readings: FetchReadings, gripper: GripperState) -> Twist2D:
+    def _step_align(self, readings: FetchReadings, hand: HandState) -> Twist2D:
         target, pose, grip = self.target, readings.pose, self.settings.grip
         if target is None or not self.objects.has(target):
             self._lose(f"the {self.colour} object is not where it was any more")
@@ -215,24 +226,33 @@ class Fetcher:
             return self._driving.turn_to(pose, (target.x, target.y))
         if self._now - max(target.seen_at, self._since) > _SEEN_FOR:
             self._lose(f"the {self.colour} object is not seen any more")
-        elif gripper.paddles == "open" and gripper.lift == "down":
+        elif not self._is_deployed:
+            if readings.images - self._images >= grip.standoff_images:
+                self._deploy(target)
+        elif hand.fingers == "open" and hand.height == "down":
             if readings.images - self._images >= grip.standoff_images:
                 self._advanced = target.distance(pose.x, pose.y) - self.settings.robot.grip_m
                 self._advance_from = pose
-                self._go(FetchState.ADVANCE, f"it is straight ahead, {self._advanced:.2f} m from the gripper")
-        elif self._waits_too_long("the gripper did not open"):
+                self._go(
+                    FetchState.ADVANCE, f"it is straight ahead, {self._advanced:.2f} m from the {self.hand.element}"
+                )
+        elif self._waits_too_long(f"the {self.hand.element} did not open"):
             return _REST
         return _REST
 
-    def _step_advance(self, readings: FetchReadings, gripper: GripperState) -> Twist2D:
+    def _step_advance(self, readings: FetchReadings, hand: HandState) -> Twist2D:
         target, pose = self.target, readings.pose
         assert target is not None  # it was faced
         gone = hypot(pose.x - self._advance_from.x, pose.y - self._advance_from.y)
-        if gripper.inner_beam:
+        ahead, aside = pose.locate(target.x, target.y)
+        left, fingers = ahead - self.settings.robot.grip_m, self.hand.fingers
+        if self.hand.is_between(hand, left):
             self._order("close")
-            self._go(FetchState.GRIP, "it is between the paddles")
+            self._go(FetchState.GRIP, f"it is between the {fingers}")
+        elif self.hand.misses(left, aside, target.width):
+            self._miss(f"it is {100 * abs(aside):.0f} cm beside the {fingers}")
         elif gone > self._advanced + self.settings.grip.beyond_m:
-            self._miss(f"no {self.colour} object came between the paddles")
+            self._miss(f"no {self.colour} object came between the {fingers}")
         elif readings.has_stalled:
             self._miss("something blocks the robot")
         elif self.floor.echo_ahead(self._now, pose) < _ROOM + self.settings.robot.grip_m - self.settings.robot.front_m:
@@ -241,34 +261,44 @@ class Fetcher:
             return self._driving.straight_to(pose, (target.x, target.y), self._advanced - gone)
         return _REST
 
-    def _step_grip(self, readings: FetchReadings, gripper: GripperState) -> Twist2D:
-        if gripper.holds:
+    def _step_grip(self, readings: FetchReadings, hand: HandState) -> Twist2D:
+        if hand.holds:
             self._order("up")
-            self._go(FetchState.LIFT, "the gripper holds it")
-        elif gripper.paddles == "closed" and self._now - self._since > 1.0:
-            self._miss("the gripper closed on nothing")
-        elif self._waits_too_long("the gripper did not close"):
+            self._go(FetchState.LIFT, f"the {self.hand.element} holds it")
+        elif hand.fingers == "closed" and self._now - self._since > 1.0:
+            self._miss(f"the {self.hand.element} closed on nothing")
+        elif self._waits_too_long(f"the {self.hand.element} did not close"):
             return _REST
         return _REST
 
-    def _step_lift(self, readings: FetchReadings, gripper: GripperState) -> Twist2D:
-        if not gripper.holds:
-            self._miss("the object slipped out of the gripper")
-        elif gripper.lift == "up" and self._now - self._since > 0.5:
+    def _step_lift(self, readings: FetchReadings, hand: HandState) -> Twist2D:
+        if not hand.holds:
+            self._miss(f"the object slipped out of the {self.hand.element}")
+        elif hand.height == "up" and self._now - self._since > 0.5:
             assert self.target is not None  # it was gripped
             self.objects.forget(self.target)
             self.floor.clear(self.target.x, self.target.y, _CLEARED)
             self._searched = self._now
             self._carry()
         else:
-            self._waits_too_long("the lift did not go up")
+            self._waits_too_long("the object was not raised")
         return _REST
+
+    def _deploy(self, target: FloorObject) -> None:
+        """Bring a hand that hides the object to where it grips, once its size is known from near."""
+        misfit = self.objects.misfit(target)
+        if misfit:
+            target.leave(misfit, self._now, self.settings.attempts)
+            self._lose(f"the {self.colour} object is left: it {misfit}")
+            return
+        self._is_deployed = True
+        self._order("deploy")
 
     # --- to the place
 
-    def _step_carry(self, readings: FetchReadings, gripper: GripperState) -> Twist2D:
+    def _step_carry(self, readings: FetchReadings, hand: HandState) -> Twist2D:
         pose, place = readings.pose, self.place
-        if not gripper.holds:
+        if not hand.holds:
             self._miss("the object was lost on the way")
             return _REST
         if self._driving.is_plan_due(self._now):
@@ -291,12 +321,12 @@ class Fetcher:
             return _REST
         return self._driving.along(self._now, pose, self.objects.discs(self.target))
 
-    def _step_deliver(self, readings: FetchReadings, gripper: GripperState) -> Twist2D:
+    def _step_deliver(self, readings: FetchReadings, hand: HandState) -> Twist2D:
         pose, place = readings.pose, self.place
         ahead, _ = pose.locate(*place)
         left = ahead - self.settings.robot.grip_m
         self._is_facing = self._is_facing or abs(pose.bearing_to(*place)) < self.settings.grip.facing_rad
-        if not gripper.holds:
+        if not hand.holds:
             self._miss("the object was lost on the way")
         elif not self._is_facing:
             return self._driving.turn_to(pose, place)
@@ -309,28 +339,30 @@ class Fetcher:
             return self._driving.straight_to(pose, place, left)
         return _REST
 
-    def _step_lower(self, readings: FetchReadings, gripper: GripperState) -> Twist2D:
-        if gripper.lift == "down" and self._now - self._since > 0.5:
+    def _step_lower(self, readings: FetchReadings, hand: HandState) -> Twist2D:
+        if hand.height == "down" and self._now - self._since > 0.5:
             self._order("open")
             self._go(FetchState.RELEASE, "the object stands on the floor")
         else:
-            self._waits_too_long("the lift did not go down")
+            self._waits_too_long("the object was not lowered")
         return _REST
 
-    def _step_release(self, readings: FetchReadings, gripper: GripperState) -> Twist2D:
-        if gripper.paddles == "open":
+    def _step_release(self, readings: FetchReadings, hand: HandState) -> Twist2D:
+        if hand.fingers == "open":
             self._next = self._finish
-            self._go(FetchState.BACK_OFF, "the gripper is open")
+            self._go(FetchState.BACK_OFF, f"the {self.hand.element} is open")
         else:
-            self._waits_too_long("the gripper did not open")
+            self._waits_too_long(f"the {self.hand.element} did not open")
         return _REST
 
-    def _step_back(self, readings: FetchReadings, gripper: GripperState) -> Twist2D:
+    def _step_back(self, readings: FetchReadings, hand: HandState) -> Twist2D:
         pose = readings.pose
         begin = self._back_from = self._back_from or pose
         gone = hypot(pose.x - begin.x, pose.y - begin.y)
         if gone >= self.settings.grip.back_m or self._now - self._since > self.settings.grip.wait_s:
             self._next()
+            return _REST
+        if not self.hand.is_clear(hand):
             return _REST
         if not self.floor.is_free_behind(self._now, pose, 0.1):
             if gone > 0.2:  # clear of the object
@@ -346,7 +378,7 @@ class Fetcher:
         driving.way = self.floor.standoff(pose, goal, away, self.settings.robot.grip_m, discs, driving.way)
 
     def _carry(self) -> None:
-        self._go(FetchState.CARRY, "the gripper holds the object, and the lift is up")
+        self._go(FetchState.CARRY, f"the {self.hand.element} holds the object, and it is raised")
 
     def _turn_back(self, pose: Pose2D, state: FetchState, then: Callable[[], None], reason: str) -> None:
         """Back off from where the way is too narrow, and take another one."""
@@ -356,13 +388,13 @@ class Fetcher:
         self._go(state, reason)
 
     def _order(self, order: str) -> None:
-        self._gripper = self._ordered = order
-        self._ordered_at = self._now
+        self._ordered, self._ordered_at = order, self._now
+        self.hand.order(order, self.target.height if self.target is not None else 0.0)
 
-    def _order_again(self, gripper: GripperState) -> None:
+    def _order_again(self, hand: HandState) -> None:
         """Repeat the last order while a state waits for it and nothing moves: it may have been lost or refused."""
-        rests = "moving" not in (gripper.paddles, gripper.lift)
-        if self.state in _WAITING and rests and self._now - self._ordered_at > _AGAIN:
+        rests = "moving" not in (hand.fingers, hand.height)
+        if self._ordered and self.state in _WAITING and rests and self._now - self._ordered_at > _AGAIN:
             self._order(self._ordered)
 
     def _waits_too_long(self, trouble: str) -> bool:

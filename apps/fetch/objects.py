@@ -20,9 +20,9 @@ _SETTLED = 0.2  # of a new size in the mean
 class FloorObject:
     """An object: its middle in odom, m, with its variance, m^2.
 
-    width, height: m. seen: in how many images. missed: images since, in which it should have been. seen_at: s.
-    is_left: why it is not to be fetched before `left_until`, s: it is there already, or cannot be reached. leaves: how
-    often that was so.
+    width, height: m. seen_from: m, from where it was seen last. seen: in how many images. missed: images since, in
+    which it should have been. seen_at: s. is_left: why it is not to be fetched before `left_until`, s: it is there
+    already, or cannot be reached. leaves: how often that was so.
     """
 
     colour: str
@@ -31,6 +31,7 @@ class FloorObject:
     variance: float
     width: float
     height: float
+    seen_from: float
     seen: int
     missed: float
     seen_at: float
@@ -55,7 +56,9 @@ class FloorObjects:
         self._settings = settings
         self.objects: list[FloorObject] = []
 
-    def take(self, now: float, robot: Pose2D, sightings: Sequence[ObjectSighting], view: CameraView) -> None:
+    def take(
+        self, now: float, robot: Pose2D, sightings: Sequence[ObjectSighting], view: CameraView, *, covered: bool = False
+    ) -> None:
         """Take the sightings of one image.
 
         Args:
@@ -63,6 +66,7 @@ class FloorObjects:
             robot: Then, in odom.
             sightings: In base_link.
             view: Of the camera.
+            covered: The hand may cover parts of objects, so their sizes are not taken.
         """
         met: set[int] = set()
         for each in sorted(sightings, key=lambda each: -each.width * each.height):
@@ -71,10 +75,10 @@ class FloorObjects:
             if near is not None and id(near) in met:
                 continue  # a part of an object that is in the image already
             if near is None:
-                near = FloorObject(each.colour, x, y, 1.0, each.width, each.height, 0, 0.0, now)
+                near = FloorObject(each.colour, x, y, 1.0, each.width, each.height, 0.0, 0, 0.0, now)
                 self.objects.append(near)
             met.add(id(near))
-            self._improve(near, each, x, y, now)
+            self._improve(near, each, x, y, now, covered)
         for known in self.objects:
             if id(known) not in met:
                 known.missed += self._should_be_seen(known, robot, view)
@@ -107,10 +111,10 @@ class FloorObjects:
                 continue
             if each.distance(*place) < self._settings.object.place_m:
                 each.is_left = "is at the place already"
-            elif self._has_size(each):
+            elif self._could_fit(each):
                 able.append(each)
             elif each.seen > _MEASURED:
-                each.is_left = f"is {each.width:.2f} m wide and {each.height:.2f} m high"
+                each.is_left = _size_of(each)
         return min(able, key=lambda each: each.distance(*robot), default=None)
 
     def left(self, colour: str) -> str:
@@ -127,10 +131,18 @@ class FloorObjects:
             Disc(each.x, each.y, min(each.width, _WIDEST) / 2.0) for each in self.known() if each is not target
         )
 
-    def _has_size(self, each: FloorObject) -> bool:
-        """Return whether an object could be gripped by its size."""
+    def misfit(self, each: FloorObject) -> str:
+        """Return the size of an object, seen from near, that cannot be gripped, in words; empty for one that can."""
+        return "" if self._has_size(each, self._settings.object.slack_m) else _size_of(each)
+
+    def _could_fit(self, each: FloorObject) -> bool:
+        """Return whether an object could be gripped, by its size as far as it is known."""
         size = self._settings.object
-        slack = 0.03 + 0.3 * each.width * (each.seen < _MEASURED)
+        slack = size.slack_m + size.slack_share * each.seen_from + 0.3 * each.width * (each.seen < _MEASURED)
+        return self._has_size(each, slack)
+
+    def _has_size(self, each: FloorObject, slack: float) -> bool:
+        size = self._settings.object
         return (
             size.narrowest_m - slack <= each.width <= size.widest_m + slack
             and size.lowest_m - slack <= each.height <= size.highest_m + slack
@@ -142,7 +154,7 @@ class FloorObjects:
         nearest = min(same, key=lambda each: each.distance(x, y), default=None)
         return nearest if nearest is not None and nearest.distance(x, y) <= gate else None
 
-    def _improve(self, known: FloorObject, seen: ObjectSighting, x: float, y: float, now: float) -> None:
+    def _improve(self, known: FloorObject, seen: ObjectSighting, x: float, y: float, now: float, covered: bool) -> None:
         """Take a sighting into the mean, by its variance."""
         track = self._settings.track
         away = hypot(seen.x, seen.y)
@@ -152,9 +164,11 @@ class FloorObjects:
         known.x += share * (x - known.x)
         known.y += share * (y - known.y)
         known.variance = (1.0 - share) * before
-        part = max(share, _SETTLED) if known.seen else 1.0
-        known.width += part * (seen.width - known.width)
-        known.height += part * (seen.height - known.height)
+        if not covered:
+            part = max(share, _SETTLED) if known.seen else 1.0
+            known.width += part * (seen.width - known.width)
+            known.height += part * (seen.height - known.height)
+            known.seen_from = away
         known.seen, known.missed, known.seen_at = known.seen + 1, 0.0, now
 
     def _should_be_seen(self, known: FloorObject, robot: Pose2D, view: CameraView) -> bool:
@@ -164,3 +178,7 @@ class FloorObjects:
         if not view.nearest + 0.15 < away < self._settings.track.sure_m:
             return known.seen <= 2 and away > view.nearest
         return ahead > 0.0 and abs(left) < (ahead - self._settings.camera.forward_m) * 0.8 * tan(view.half_angle)
+
+
+def _size_of(each: FloorObject) -> str:
+    return f"is {each.width:.2f} m wide and {each.height:.2f} m high"

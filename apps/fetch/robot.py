@@ -11,8 +11,9 @@ from typing import Any
 from agents import Failed, Robot, RobotError
 from apps.background import BackgroundRequests
 from apps.fetch.cycle import FetchCycle
+from apps.fetch.hands import Hand
 from apps.fetch.settings import FetchSettings
-from apps.fetch.states import FetchOrders, GripperState
+from apps.fetch.states import FetchOrders, HandMotion
 from geometry import Point, Pose2D, Twist2D
 from vision.colours import ColourTable
 
@@ -45,28 +46,31 @@ class FetchRobot:
         settings: FetchSettings,
         colour: str,
         place: Point,
+        hand: Hand,
         table: ColourTable | None = None,
     ) -> None:
-        """Prepare a robot, and turn the head of its camera to the floor.
+        """Prepare a robot: turn the head of its camera to the floor, and find the zeros of its arm.
 
         Args:
-            robot: With base, camera, gripper and sonar.
+            robot: With base, camera, sonar, and gripper or arm.
             requests: In which its requests are made.
             settings: Of the application.
             colour: Of the object.
             place: For the object, m in odom.
+            hand: Its gripper or arm.
             table: Trained channels; None for the colours of the settings.
         Raises:
-            RobotError: It lacks an element, the field of view of its camera is not known, or the head does not turn.
+            RobotError: It lacks an element, the field of view of its camera is not known, or head or arm do not
+                move.
         """
         self.robot, self.trouble = robot, "no reading has come"
         self.pose: Pose2D | None = None
         self._requests = requests
-        self.cycle = FetchCycle(settings, colour, place, _camera(robot), table)
+        self.cycle = FetchCycle(settings, colour, place, _camera(robot), hand, table)
         self._kinds = {
             "base": _AskedReading("read", self._take_base),
             "camera": _AskedReading("picture", self._take_picture),
-            "gripper": _AskedReading("read", self._take_gripper),
+            hand.element: _AskedReading("read", self.cycle.take_hand),
             "sonar": _AskedReading("read", self._take_sonar),
         }
         if robot.has("bumpers"):
@@ -75,6 +79,11 @@ class FetchRobot:
             lowest = (robot.ptz.properties.get("limits") or {}).get("tilt", (-math.inf,))[0]
             robot.ptz.look(pan=0.0, tilt=max(-settings.camera.down_rad, lowest))
             self._kinds["ptz"] = _AskedReading("read", self._take_head, _SLOW)
+        if robot.has("arm") and hand.element == "arm":
+            robot.arm.power()
+            robot.arm.home()
+        self._hand = hand
+        self._motions: dict[str, HandMotion] = {}  # under way, by how their requests are called
         self._discs = {number: Pose2D(each.x, each.y, each.heading) for number, each in robot.sonar.discs.items()}
         self._ranges: dict[int, float] = {}
         self._due: dict[str, float] = {}
@@ -96,6 +105,12 @@ class FetchRobot:
         """Take what has been answered, and do what is to be done; returns it, None without readings."""
         for element in self._kinds:
             self._take(element)
+        for kind, motion in list(self._motions.items()):
+            ended = self._requests.take(kind)
+            if ended is not None:
+                del self._motions[kind]
+                self._hand.ended(motion, ended.result())
+                self._refusals["hand"] = self._hand.trouble
         at = time.monotonic()
         orders = None
         if at - self._base_at <= _SILENT:
@@ -104,9 +119,11 @@ class FetchRobot:
             if at - self._sonar_at <= _SILENT:
                 orders = self.cycle.step(now)
         self._drive(orders.twist if orders is not None else Twist2D())
-        if orders is not None and orders.gripper:
-            self._requests.take(("gripper", orders.gripper))
-            self._requests.begin(("gripper", orders.gripper), self._move_gripper, orders.gripper)
+        if orders is not None and orders.motion is not None:
+            kind = str(orders.motion)
+            self._requests.take(kind)
+            self._motions[kind] = orders.motion
+            self._requests.begin(kind, self._move_hand, orders.motion)
         silent = next((name for name, heard in self._heard if at - heard > _SILENT), "")
         self.trouble = f"the {silent} is silent" if silent else next(filter(None, self._refusals.values()), "")
         return orders
@@ -125,15 +142,18 @@ class FetchRobot:
                 self.cycle.take_contact()
         self._requests.begin("drive", self.robot.base.drive, twist.linear, twist.angular)
 
-    def _move_gripper(self, order: str) -> None:
-        """Move the gripper, and wait for the end; so it stops when this program dies or freezes."""
-        gripper = self.robot.gripper
-        motions = {"open": gripper.open, "close": gripper.close, "up": gripper.up, "down": gripper.down}
+    def _move_hand(self, motion: HandMotion) -> str:
+        """Make a motion, and wait for its end; so it stops when this program dies or freezes.
+
+        Returns:
+            Why it was not made, or has not arrived; empty if it has.
+        """
+        mover = self.robot.gripper if motion.element == "gripper" else self.robot.arm
         try:
-            motions.get(order, gripper.deploy)()
-            self._refusals["gripper"] = ""
-        except RobotError as err:  # its readings show what it has done
-            self._refusals["gripper"] = str(err)
+            getattr(mover, motion.request)(**motion.arguments)
+        except RobotError as err:  # the readings show what it has done
+            return str(err)
+        return ""
 
     def _take(self, element: str) -> None:
         """Take a reading that has been answered."""
@@ -155,9 +175,6 @@ class FetchRobot:
 
     def _take_picture(self, told: Any) -> None:
         self.cycle.take_image(float(told["stamp"]), base64.b64decode(told["data"]))
-
-    def _take_gripper(self, told: Any) -> None:
-        self.cycle.take_gripper(GripperState.of(told))
 
     def _take_sonar(self, told: Any) -> None:
         if told["stamp"] == self._sonar_stamp:

@@ -3,8 +3,10 @@
 import re
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from typing import Self
 
 import configs
+from configs.loader import laid_over, read
 from configs.settings import ShippedSettings
 
 _COLOUR = re.compile(r"#([0-9a-fA-F]{2})([0-9a-fA-F]{2})([0-9a-fA-F]{2})")
@@ -12,7 +14,7 @@ _COLOUR = re.compile(r"#([0-9a-fA-F]{2})([0-9a-fA-F]{2})([0-9a-fA-F]{2})")
 
 @dataclass(frozen=True, slots=True)
 class _FetchBody:
-    """The robot and its gripper."""
+    """The robot and its hand."""
 
     radius_m: float
     half_width_m: float
@@ -44,8 +46,10 @@ class FetchCamera:
     height_m: float
     down_rad: float
     silent_s: float
+    hidden_m: float
     range_m: float
     smallest_px: float
+    edge_px: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,6 +60,8 @@ class _ObjectSize:
     widest_m: float
     lowest_m: float
     highest_m: float
+    slack_m: float
+    slack_share: float
     place_m: float
 
 
@@ -95,6 +101,20 @@ class _GripSettings:
 
 
 @dataclass(frozen=True, slots=True)
+class _ArmSettings:
+    """How an arm grips."""
+
+    pitch_rad: float
+    lowest_m: float
+    overlap_m: float
+    check_m: float
+    stop_m: float
+    step_m: float
+    raise_m: float
+    speed_rad_s: float
+
+
+@dataclass(frozen=True, slots=True)
 class _PlaceSettings:
     """How an object is put down."""
 
@@ -129,6 +149,7 @@ class FetchSettings(ShippedSettings):
     """All settings; each is described in `settings.toml`."""
 
     SHIPPED = Path(__file__).with_name("settings.toml")
+    OF_ARM = Path(__file__).with_name("arm.toml")
 
     period_s: float
     report_s: float
@@ -140,9 +161,20 @@ class FetchSettings(ShippedSettings):
     track: _TrackSettings
     search: _SearchPattern
     grip: _GripSettings
+    arm: _ArmSettings
     place: _PlaceSettings
     floor: _FloorSettings
     colours: _NamedColours
+
+    @classmethod
+    def load_for_arm(cls, file: str | Path | None = None) -> Self:
+        """Return the settings of a PowerBot with an arm, with the changes of a file laid over them.
+
+        Raises:
+            ConfigError: As `load`.
+        """
+        changes = read(cls.OF_ARM)
+        return cls.load(file, laid_over(changes, read(file)) if file else changes)
 
     def check(self, source: str) -> None:
         """See that the settings fit together."""

@@ -79,11 +79,11 @@ class ObjectSight:
         camera, where = self.camera, self._settings
         down = atan((camera.height - 1 - camera.cy) / camera.fy) - tilt
         nearest = where.forward_m + (where.height_m / tan(down) if down > 0.0 else inf)
-        return CameraView(atan(camera.width / 2.0 / camera.fx), nearest)
+        return CameraView(atan(camera.width / 2.0 / camera.fx), max(nearest, where.hidden_m))
 
     def _sighting(self, colour: str, blob: Blob, pan: float, tilt: float) -> ObjectSighting | None:
-        """Return where a blob stands on the floor; None where it is cut off, or no floor is at its lower edge."""
-        camera = self.camera
+        """Return where a blob stands; None if it is cut off or hidden by the hull, or no floor is at its lower edge."""
+        camera, where = self.camera, self._settings
         if (
             blob.bottom >= camera.height - _EDGE
             or blob.left < _EDGE
@@ -92,18 +92,19 @@ class ObjectSight:
         ):
             return None
         centre = (blob.left + blob.right) / 2.0
-        rays = camera.rays_of(np.array([[centre, blob.bottom + 0.5], [centre, blob.top - 0.5]]))
+        rays = camera.rays_of(np.array([[centre, blob.bottom + where.edge_px], [centre, blob.top - 0.5]]))
         (ahead, left, up), (top_ahead, top_left, top_up) = (_turned(ray, pan, tilt) for ray in rays.tolist())
         if up >= 0.0:
             return None
-        scale = -self._settings.height_m / up
+        scale = -where.height_m / up
         distance = scale * hypot(ahead, left)
-        if distance > self._settings.range_m:
+        x = where.forward_m + distance * ahead / hypot(ahead, left)
+        if distance > where.range_m or x < where.hidden_m:
             return None
-        height = self._settings.height_m + distance * top_up / hypot(top_ahead, top_left)
+        height = where.height_m + distance * top_up / hypot(top_ahead, top_left)
         width = blob.width * scale / camera.fx
         away, bearing = distance + width / 2.0, atan2(left, ahead)  # it is as deep as it is wide
-        x = self._settings.forward_m + away * cos(bearing)
+        x = where.forward_m + away * cos(bearing)
         return ObjectSighting(colour, x, away * sin(bearing), width, height)
 
 

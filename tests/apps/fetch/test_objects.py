@@ -1,5 +1,7 @@
 """Objects kept from sightings."""
 
+import pytest
+
 from apps.fetch.objects import FloorObjects
 from apps.fetch.settings import FetchSettings
 from apps.fetch.sight import CameraView, ObjectSighting
@@ -49,3 +51,28 @@ def test_objects_of_different_colours_in_one_place_are_two() -> None:
     known = objects()
     known.take(0.0, Pose2D(), [seen(1.5, 0.0), seen(1.5, 0.05, "green")], VIEW)
     assert {each.colour for each in known.objects} == {"red", "green"}
+
+
+def test_size_of_an_object_that_the_hand_covers_is_kept() -> None:
+    known = objects()
+    for number in range(10):
+        known.take(number / 10.0, Pose2D(), [seen(1.3, 0.0, width=0.045)], VIEW)
+    for number in range(10):
+        known.take(2.0 + number / 10.0, Pose2D(), [ObjectSighting("red", 1.28, 0.0, 0.09, 0.05)], VIEW, covered=True)
+    (one,) = known.known()
+    assert (one.width, one.height) == pytest.approx((0.045, 0.12))
+    assert one.x < 1.295, "where it is, is taken"
+
+
+def test_an_object_whose_size_is_not_known_well_from_far_is_judged_again_from_near() -> None:
+    known = FloorObjects(FetchSettings.load_for_arm())
+    for number in range(20):
+        known.take(number / 10.0, Pose2D(), [ObjectSighting("red", 3.5, 0.0, 0.05, 0.26)], VIEW)
+    far = known.to_fetch(2.0, "red", (0.0, 0.0), (0.0, 0.0))
+    assert far is not None
+    for number in range(20):
+        known.take(3.0 + number / 10.0, Pose2D(2.2, 0.0, 0.0), [ObjectSighting("red", 1.3, 0.0, 0.05, 0.26)], VIEW)
+    assert known.misfit(far) == "is 0.05 m wide and 0.26 m high"
+    for number in range(30):
+        known.take(6.0 + number / 10.0, Pose2D(2.2, 0.0, 0.0), [ObjectSighting("red", 1.3, 0.0, 0.05, 0.4)], VIEW)
+    assert known.misfit(far) == ""

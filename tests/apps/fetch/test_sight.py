@@ -71,3 +71,14 @@ def test_several_colours_are_told_apart(sight: ObjectSight) -> None:
 def test_colours_are_known_in_half_the_light(sight: ObjectSight) -> None:
     dark = (drawn(("red", 1.3, 0.0, 0.08, 0.12)) * 0.5).astype(np.uint8)
     assert [each.colour for each in sight.look(dark, tilt=TILT)] == ["red"]
+
+
+def test_objects_whose_foot_the_hull_hides_are_left_out() -> None:
+    arm = FetchSettings.load_for_arm().camera
+    sight = ObjectSight(arm, PinholeModel.from_field_of_view(320, 240, 0.83), named_colours(SETTINGS.shades))
+    image = np.full((240, 320, 3), 150, np.uint8)
+    image[40:170, 150:170] = SETTINGS.shades["red"][::-1]
+    assert [each.colour for each in sight.look(image, tilt=-arm.down_rad)] == ["red"]
+    image[40:197, 150:170] = SETTINGS.shades["red"][::-1]  # down to the edge of the hull
+    assert sight.look(image, tilt=-arm.down_rad) == []
+    assert sight.view(-arm.down_rad).nearest == arm.hidden_m

@@ -1,12 +1,13 @@
-"""A robot with a gripper among objects on a floor without walls, as the fetcher has it: no images, no physics."""
+"""A robot with a gripper or an arm among objects on an open floor, as the fetcher has it: no images, no physics."""
 
 from dataclasses import dataclass, field
 from math import hypot
 
 from apps.fetch.fetcher import Fetcher
+from apps.fetch.hands import ArmHand, PaddleHand
 from apps.fetch.settings import FetchSettings
 from apps.fetch.sight import CameraView, ObjectSighting
-from apps.fetch.states import FetchOrders, FetchReadings, FetchState, GripperState
+from apps.fetch.states import FetchOrders, FetchReadings, FetchState, HandMotion, HandState
 from geometry import Point, Pose2D, Twist2D, integrate
 
 SETTINGS = FetchSettings.load()
@@ -55,7 +56,7 @@ class ToyRobot:
 
     @classmethod
     def among(cls, *things: Thing, place: Point = (0.0, 1.0), colour: str = "red") -> "ToyRobot":
-        return cls(Fetcher(SETTINGS, colour, place), list(things))
+        return cls(Fetcher(SETTINGS, colour, place, PaddleHand()), list(things))
 
     def run(self, seconds: float, state: FetchState | None = None) -> FetchState:
         """Let time pass, until a state is reached or it has ended."""
@@ -75,8 +76,8 @@ class ToyRobot:
         )
         if orders.changed:
             self.told.append(f"{orders.state.value}: {orders.reason}")
-        if orders.gripper:
-            self._move(orders.gripper)
+        if orders.motion is not None:
+            self._make(orders.motion)
         twist = Twist2D(min(orders.twist.linear, 0.0), 0.0) if self._is_stuck() else orders.twist
         self.pose = integrate(self.pose, twist, PERIOD)
         self.wound += twist.angular * PERIOD
@@ -103,11 +104,14 @@ class ToyRobot:
                 return each
         return None
 
-    def _gripper(self) -> GripperState:
+    def _gripper(self) -> HandState:
         if self.time < self._until:
-            return GripperState("moving", "moving", outer_beam=False, inner_beam=False, holds=self.held is not None)
+            return HandState("moving", "moving", has_beam_broken=False, holds=self.held is not None)
         is_there = self.held is not None or self._between() is not None
-        return GripperState(self._paddles, self._lift, is_there, is_there, self.held is not None)
+        return HandState(self._paddles, self._lift, is_there, self.held is not None)
+
+    def _make(self, motion: HandMotion) -> None:
+        self._move(motion.request)
 
     def _move(self, order: str) -> None:
         self.orders.append(order)
@@ -125,3 +129,59 @@ class ToyRobot:
                 self.things.remove(between)
                 self.held = between
         self._lift = {"deploy": "down", "down": "down", "up": "up"}.get(order, self._lift)
+
+
+ARM_SETTINGS = FetchSettings.load_for_arm()
+_OPENING = 0.07  # m
+_PADS = 0.01  # m to both sides along the robot, where the fingers grip
+
+
+@dataclass
+class ToyArmRobot(ToyRobot):
+    """Likewise with an arm; orders has the requests. tip: of the hand above the floor, m."""
+
+    tip: float = 0.8
+    opening: float = 0.0
+    _motion: HandMotion | None = None
+
+    @classmethod
+    def among(cls, *things: Thing, place: Point = (0.0, 1.0), colour: str = "red") -> "ToyArmRobot":
+        rows = [{"name": "toy/arm_joint_1", "unit": "rad"}, {"name": "toy/arm_joint_2", "unit": "m", "upper": _OPENING}]
+        hand = ArmHand.of(ARM_SETTINGS, {"joints": rows})
+        assert hand is not None
+        return cls(Fetcher(ARM_SETTINGS, colour, place, hand), list(things))
+
+    def _gripper(self) -> HandState:
+        if self._motion is not None and self.time >= self._until:
+            motion, self._motion = self._motion, None
+            self._arrive(motion)
+            self.fetcher.hand.ended(motion)
+        self.fetcher.hand.take({"joints": {1: 0.0, 2: self.opening}})
+        state = self.fetcher.hand.state
+        assert state is not None
+        return state
+
+    def _make(self, motion: HandMotion) -> None:
+        self.orders.append(motion.request)
+        self._motion, self._until = motion, self.time + _MOTION / 4.0
+
+    def _arrive(self, motion: HandMotion) -> None:
+        if motion.request == "reach":
+            self.tip = motion.arguments["z"]
+            return
+        target = motion.arguments["joints"]["2"]
+        if self.held is not None and target > self.held.width:
+            self.held.x, self.held.y = self.pose.transform(ARM_SETTINGS.robot.grip_m, 0.0)
+            self.things.append(self.held)
+            self.held = None
+        if self.held is None and target < self.opening and not self.slips:
+            self.held = next((each for each in self.things if self._meets(each, target)), None)
+            if self.held is not None:
+                self.things.remove(self.held)
+        self.opening = max(target, 0.0 if self.held is None else self.held.width)
+        self.fetcher.hand.take({"joints": {1: 0.0, 2: self.opening}})
+
+    def _meets(self, each: Thing, opening: float) -> bool:
+        x, y = self.pose.locate(each.x, each.y)
+        is_there = abs(x - ARM_SETTINGS.robot.grip_m) < _PADS + each.width / 2.0 and abs(y) < _OPENING / 2.0
+        return is_there and each.width > opening and each.height > self.tip
