@@ -252,16 +252,22 @@ class ArmHand:
         return _Step(HandMotion(self.element, "move", {"joints": {str(self.finger_joint): opening}}))
 
     def _raising(self) -> list[_Step]:
-        """Return the way up, by small steps: joints take different times, and between steps the hand points down."""
-        lift = self.settings.robot.lift_m
-        count = max(1, round(lift / self.settings.arm.raise_m))
-        return [
-            self._hand(lift * (part + 1) / count, "up" if part + 1 == count else "between") for part in range(count)
-        ]
+        """Return the way up; a hand that is up already stays there."""
+        *ways, lift = self._ways()
+        return [*(self._hand(way, "between") for way in ways if self._height != "up"), self._hand(lift, "up")]
 
     def _lowering(self) -> list[_Step]:
-        ways = [0.0, *(float(step.motion.arguments["z"]) - self._tip for step in self._raising()[:-1])]
-        return [self._hand(way, "between" if way else "down") for way in reversed(ways)]
+        *ways, _ = self._ways()
+        return [*(self._hand(way, "between") for way in reversed(ways)), self._hand(0.0, "down")]
+
+    def _ways(self) -> list[float]:
+        """Return heights above where it grips, m, up to the last one.
+
+        They are small steps: joints take different times, and between steps the hand points down.
+        """
+        lift = self.settings.robot.lift_m
+        count = max(1, round(lift / self.settings.arm.raise_m))
+        return [lift * part / count for part in range(1, count + 1)]
 
     def _hand(self, way: float, height: str) -> _Step:
         """Return the motion of the hand to so many m above where it grips."""

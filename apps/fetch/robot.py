@@ -79,7 +79,7 @@ class FetchRobot:
             lowest = (robot.ptz.properties.get("limits") or {}).get("tilt", (-math.inf,))[0]
             robot.ptz.look(pan=0.0, tilt=max(-settings.camera.down_rad, lowest))
             self._kinds["ptz"] = _AskedReading("read", self._take_head, _SLOW)
-        if robot.has("arm") and hand.element == "arm":
+        if hand.element == "arm":
             robot.arm.power()
             robot.arm.home()
         self._hand = hand

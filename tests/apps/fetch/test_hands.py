@@ -124,6 +124,16 @@ def test_hand_opens_before_it_is_raised_from_what_it_has_put_down() -> None:
     assert arm.words == ("open", "up", False)
 
 
+def test_hand_that_is_up_is_not_lowered_to_be_raised() -> None:
+    arm = ToyArm(width=0.043)
+    for word in ("deploy", "close", "up"):
+        arm.do(word)
+    highest = arm.tips[-1]
+    arm.motions.clear()
+    arm.do("open")
+    assert arm.tips == [highest]
+
+
 def test_robot_may_back_off_when_the_hand_has_moved() -> None:
     arm = ToyArm()
     arm.do("deploy")
