@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 
 SERVICES = ("fetching",)  # for the directory, when it runs as an agent
 HAVING = ("base", "camera", "sonar")  # besides a gripper or an arm
+_SAME_HULL = 0.03  # m by which the hull may end elsewhere than in the settings
 _MOST_REQUESTS = 10  # at the same time
 
 _running: "list[FetchRobot]" = []
@@ -144,13 +145,20 @@ def _hand(robot: Robot, settings: FetchSettings) -> Hand:
     """Return the hand of a robot.
 
     Raises:
-        RobotError: It holds something, or its arm has no fingers.
+        RobotError: It holds something, its arm has no fingers, or the settings are those of another robot.
     """
     if robot.has("gripper"):
         if robot.gripper.read().holds:
             raise RobotError(f"the gripper of {robot.name} holds something already; open it first")
         return PaddleHand()
-    hand = ArmHand.of(settings, robot.arm.properties)
+    properties = robot.arm.properties
+    front, own = settings.robot.front_m, float((properties.get("hull") or {}).get("length_front", math.nan))
+    if not abs(front - own) <= _SAME_HULL:
+        raise RobotError(
+            f"the settings for an arm are of a hull that ends {front:.2f} m before the axle, and that of {robot.name} "
+            f"ends {own:.2f} m before it; give settings of its own"
+        )
+    hand = ArmHand.of(settings, properties)
     if hand is None:
         raise RobotError(f"the arm of {robot.name} has no fingers that it knows of; use a robot with a gripper")
     reading = robot.arm.read()

@@ -25,6 +25,12 @@ name = "lisa"
 model = "p3dx-sh"
 fit = ["camera:160x120@10"]
 at_m = [1.0, 3.0]
+
+[[robots]]
+name = "pete"
+model = "p3dx-sh"
+fit = ["arm", "camera:160x120@10"]
+at_m = [4.2, 3.4]
 """
 
 
@@ -90,6 +96,10 @@ def test_ctrl_c_stops_the_robot_and_leaves_a_summary_and_a_picture(team: Running
     ("words", "told"),
     [
         (["robot=lisa"], "lisa has no gripper; it has "),
+        (
+            ["robot=pete"],
+            "the settings for an arm are of a hull that ends 0.37 m before the axle, and that of pete ends ",
+        ),
         (["robot=bart", "colour=mauve"], "there is no colour 'mauve'; known colours: blue, green, red, yellow"),
         (["robot=bart", "place=there"], "a place is x and y in m, such as place=[1,0.5], not 'there'"),
         (["robot=bart", "colours=none.txt"], "the colours cannot be read from none.txt"),
