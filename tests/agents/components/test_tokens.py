@@ -63,7 +63,9 @@ def test_an_arm_reaches_with_the_token_of_the_request(
         return {"joints": {}}
 
     class Kinematics:
-        def reaching(self, point: object, present: object) -> Generator[None, None, list[float]]:
+        def reaching(
+            self, point: object, present: object, pitch: object, yaw: object
+        ) -> Generator[None, None, list[float]]:
             yield
             return [0.5]
 
