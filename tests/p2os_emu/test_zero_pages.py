@@ -82,4 +82,8 @@ def zeros_held(pid: int) -> float:
 
 def test_an_emulator_holds_no_buffers_of_zeros() -> None:
     with emulator("--robot", "p3dx-sh", "--world", "office", "--quiet") as robots:
-        assert zeros_held(robots.process.pid) < MOST_MB
+        try:
+            held = zeros_held(robots.process.pid)
+        except PermissionError as err:  # as where only a parent may look into a process (Yama)
+            pytest.skip(f"the memory of a process cannot be read here: {err.strerror}")
+    assert held < MOST_MB
