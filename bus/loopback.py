@@ -117,31 +117,39 @@ class Registration(Closeable):
         Raises:
             BusUnavailable: This machine does not allow it.
         """
-        # Ports of entries that were withdrawn are held until the end. Who has seen such an entry connects to its port;
-        # if another session, or this one, were given it now, two would connect to each other.
-        with ExitStack() as held:
-            own, entries = self._registered(bus, held)
+        # Who has seen an entry that was withdrawn connects to its port. If another session were given that port, the
+        # two would connect to each other, so it is held as long as this session is registered.
+        self._held = ExitStack()
+        try:
+            own, entries = self._registered(bus)
+        except BaseException:
+            self._held.close()
+            raise
         self.endpoint = bus.endpoint(own)
         self.elders = tuple(bus.endpoint(entry) for entry in entries[:-1])
 
-    def _registered(self, bus: LocalBus, held: ExitStack) -> tuple[_SessionEntry, list[_SessionEntry]]:
+    def _registered(self, bus: LocalBus) -> tuple[_SessionEntry, list[_SessionEntry]]:
         """Register; return the own entry, and all entries up to this one."""
         while True:
             before = bus.entries()
-            port = _free_port(bus.address, held)
-            own = _SessionEntry(max((entry.serial for entry in before), default=0) + 1, port)
+            probe = _on_free_port(bus.address)
+            own = _SessionEntry(max((entry.serial for entry in before), default=0) + 1, probe.getsockname()[1])
             self._socket = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
             try:
                 self._socket.bind(f"\0{bus._registry}{own.serial}/{own.port}")
             except OSError as err:
                 self._socket.close()
+                self._held.enter_context(probe)
                 if err.errno == errno.EADDRINUSE:  # by a session that registers at the same time
                     continue
                 raise BusUnavailable(f"a session cannot be registered on this machine: {err.strerror}") from err
             entries = bus.entries()
-            if entries and entries[-1] == own:
+            # One that has registered and does not listen yet may have been given the same port.
+            if entries and entries[-1] == own and all(entry.port != own.port for entry in entries[:-1]):
+                probe.close()  # for Zenoh to listen there
                 return own, entries
             self._socket.close()
+            self._held.enter_context(probe)
             if own not in entries:
                 raise BusUnavailable(f"{SOCKETS} does not show this program's own sockets; is /proc mounted for it?")
 
@@ -153,13 +161,15 @@ class Registration(Closeable):
     def close(self) -> None:
         """Withdraw the entry."""
         self._socket.close()
+        self._held.close()
 
 
-def _free_port(address: str, held: ExitStack) -> int:
-    """Return a port on which nobody listens; nobody else is given it as long as it is held."""
+def _on_free_port(address: str) -> socket.socket:
+    """Return a socket on a port on which nobody listens; nobody else is given it as long as the socket is open."""
+    probe = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
     try:
-        probe = held.enter_context(socket.socket(socket.AF_INET, socket.SOCK_STREAM))
         probe.bind((address, 0))
-        return int(probe.getsockname()[1])
     except OSError as err:
+        probe.close()
         raise BusUnavailable(f"no session can listen on {address}: {err.strerror}") from err
+    return probe

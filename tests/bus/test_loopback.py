@@ -10,6 +10,7 @@ import uuid
 from collections.abc import Callable
 from contextlib import ExitStack, closing, suppress
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -91,13 +92,15 @@ def test_of_any_two_that_register_at_the_same_time_one_connects_to_the_other(nam
         thread.start()
     for thread in threads:
         thread.join()
-    for one in made:
-        for other in made:
-            assert one is other or one.endpoint in other.elders or other.endpoint in one.elders
-        one_way = [other for other in made if other.endpoint in one.elders and one.endpoint in other.elders]
-        assert not one_way, "two that connect to each other"
-    for registration in made:
-        registration.close()
+    with ExitStack() as stack:
+        for registration in made:
+            stack.enter_context(registration)
+        assert len({registration.endpoint for registration in made}) == len(made)
+        for one in made:
+            for other in made:
+                assert one is other or one.endpoint in other.elders or other.endpoint in one.elders
+            one_way = [other for other in made if other.endpoint in one.elders and one.endpoint in other.elders]
+            assert not one_way, "two that connect to each other"
 
 
 @pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGTERM])
@@ -172,24 +175,65 @@ def test_a_port_that_is_taken_meanwhile_is_replaced_by_another(monkeypatch: pyte
     address = LocalBus(name).address
     with socket.create_server((address, 0)) as taken:
         ports = [taken.getsockname()[1]]
-        free_port = bus.loopback._free_port
+        on_free_port = bus.loopback._on_free_port
 
-        def first_the_taken_one(where: str, held: ExitStack) -> int:
-            return ports.pop() if ports else free_port(where, held)
+        def first_the_taken_one(where: str) -> object:
+            if not ports:
+                return on_free_port(where)
+            port = ports.pop()
+            return SimpleNamespace(getsockname=lambda: (where, port), close=lambda: None)
 
-        monkeypatch.setattr(bus.loopback, "_free_port", first_the_taken_one)
+        monkeypatch.setattr(bus.loopback, "_on_free_port", first_the_taken_one)
         with ZenohBus.open(f"local:{name}"):
             assert not ports
             assert len(LocalBus(name).entries()) == 1
 
 
-def test_a_session_that_registers_holds_the_ports_that_others_may_have_seen(name: str) -> None:
-    address = LocalBus(name).address
-    with ExitStack() as held:
-        port = bus.loopback._free_port(address, held)
-        with pytest.raises(OSError, match="in use"):
-            socket.create_server((address, port))
-    socket.create_server((address, port)).close()
+def test_a_session_holds_the_ports_of_the_entries_that_it_has_withdrawn(
+    monkeypatch: pytest.MonkeyPatch, name: str
+) -> None:
+    local = LocalBus(name)
+    tried: list[int] = []
+    on_free_port = bus.loopback._on_free_port
+    with socket.socket(socket.AF_UNIX) as later:
+
+        def while_another_one_registers(address: str) -> socket.socket:
+            probe = on_free_port(address)
+            if not tried:
+                later.bind(f"\0{local._registry}9/1")
+            tried.append(probe.getsockname()[1])
+            return probe
+
+        monkeypatch.setattr(bus.loopback, "_on_free_port", while_another_one_registers)
+        with Registration(local) as registration:
+            withdrawn, own = tried
+            assert registration.endpoint.endswith(f":{own}")
+            with pytest.raises(OSError, match="in use"):
+                socket.create_server((local.address, withdrawn))
+            socket.create_server((local.address, own)).close()
+    socket.create_server((local.address, withdrawn)).close()
+
+
+def test_a_session_does_not_take_the_port_of_one_that_does_not_listen_yet(
+    monkeypatch: pytest.MonkeyPatch, name: str
+) -> None:
+    local = LocalBus(name)
+    with Registration(local) as first:
+        ports = [int(first.endpoint.rpartition(":")[2])]
+        on_free_port = bus.loopback._on_free_port
+
+        def first_the_same(address: str) -> socket.socket:
+            if not ports:
+                return on_free_port(address)
+            probe = socket.socket()
+            probe.bind((address, ports.pop()))
+            return probe
+
+        monkeypatch.setattr(bus.loopback, "_on_free_port", first_the_same)
+        with Registration(local) as second:
+            assert not ports
+            assert second.endpoint != first.endpoint
+            assert second.elders == (first.endpoint,)
 
 
 def test_a_machine_that_hides_its_sockets_is_told_in_one_sentence(

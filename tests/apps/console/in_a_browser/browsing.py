@@ -46,6 +46,17 @@ class ConsoleTab(OpenPage):
 
         self.wait(drives, "this tab drives")
 
+    def release_control(self) -> None:
+        """Release control of the robot, if this tab has it; again, while the button is drawn anew."""
+
+        def has_let_go() -> bool:
+            button = self.page.get_by_role("button", name="Release control")
+            if button.count():
+                self.press_if_shown(button)
+            return not button.count()
+
+        self.wait(has_let_go, "this tab has let go")
+
     def hold(self, key: str) -> None:
         """Press a key down."""
         self.page.keyboard.down(key)

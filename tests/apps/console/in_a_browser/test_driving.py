@@ -48,8 +48,8 @@ def test_a_second_driver_sees_who_drives_and_can_stop_without_a_lease(
     other.press("Release the stop")
     other.press("Release")
     other.page.locator(".c-chip.c-alarm").first.wait_for(state="hidden")
-    tab.press_if_shown(tab.page.get_by_role("button", name="Release control"))
-    other.take_control()  # whoever drove has let go
+    tab.release_control()
+    other.take_control()
     other.sees("You drive.")
     tab.page.get_by_text(DRIVES).first.wait_for()
     other.close()
