@@ -92,7 +92,7 @@ def cast(origin: tuple[float, float], directions: Floats, edges: Floats, legs: F
     rays = np.column_stack((np.cos(directions), np.sin(directions)))[:, None, :]
     start, along = edges[:, :2] - origin, edges[:, 2:] - edges[:, :2]
     cross = rays[..., 0] * along[:, 1] - rays[..., 1] * along[:, 0]
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(divide="ignore", invalid="ignore"):  # rays along a line, which meet none
         far = (start[:, 0] * along[:, 1] - start[:, 1] * along[:, 0]) / cross
         part = (start[:, 0] * rays[..., 1] - start[:, 1] * rays[..., 0]) / cross
         nearest = np.where((far > 0.0) & (part >= 0.0) & (part <= 1.0), far, inf).min(axis=1)
@@ -130,7 +130,7 @@ def _is_inside_something(plan: Plan, x: float, y: float) -> bool:
 def _as_measured(hits: Floats, rng: Rng) -> Floats:
     """Range noise, beams on two things at once, beams without echo, a black spot or one of glass."""
     near, far = hits.min(axis=1), hits.max(axis=1)
-    with np.errstate(invalid="ignore"):
+    with np.errstate(invalid="ignore"):  # infinite ranges, which do not mix
         is_mixed = (far - near > 0.2) & np.isfinite(far) & (rng.random(len(hits)) < 0.4)
         between = near + (far - near) * rng.random(len(hits))
     ranges = np.where(is_mixed, between, hits[:, 1])
@@ -183,7 +183,7 @@ def _sight(
         return None
     rays = np.column_stack((np.cos(angles), np.sin(angles)))
     closing = rays @ normal
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(divide="ignore", invalid="ignore"):  # rays along the wall, which do not meet it
         at_line = np.where(closing > 0.05, distance / closing, inf)
         side = (at_line[:, None] * rays + here - centre) @ along
         depth = np.minimum(clean, range_max) * closing - distance

@@ -69,7 +69,7 @@ def _edited(text: str, number: int, line: str) -> str:
 def _says(text: str, wanted: object) -> bool:
     try:
         return tomllib.loads(text) == wanted
-    except tomllib.TOMLDecodeError:
+    except tomllib.TOMLDecodeError:  # then it says something else
         return False
 
 

@@ -79,7 +79,7 @@ class ControlSocket:
             self._let_go(client)
         self._poller.forget(self._listener.fileno())
         self._listener.close()
-        self.path.unlink(missing_ok=True)
+        self.path.unlink(missing_ok=True)  # somebody may have cleaned up
 
     def _meet(self, line: bytes) -> Mapping[str, Any]:
         try:

@@ -46,6 +46,6 @@ def _is_deserted(folder: Path) -> bool:
         visitor.setblocking(False)  # an emulator that is frozen lets nobody in
         try:
             visitor.connect(str(folder / CONTROL))
-        except ConnectionRefusedError:
+        except ConnectionRefusedError:  # nobody listens: its emulator has ended
             return True
     return False

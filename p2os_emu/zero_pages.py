@@ -43,6 +43,7 @@ def _mappings() -> Iterator[tuple[int, int]]:
     """Yield begin and end of the large mappings of memory that belong to no file."""
     if sys.platform != "linux":
         return
+    # Names of files may be in any encoding; they are not read.
     for line in _MAPPINGS.read_text(encoding="utf-8", errors="replace").splitlines():
         addresses, permissions, _, _, inode, *name = line.split(maxsplit=5)
         begin, end = (int(address, 16) for address in addresses.split("-"))

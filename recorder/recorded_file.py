@@ -143,7 +143,7 @@ def _read_index(file: RecordedFile) -> bool:
     stream.seek(footer.summary_start)
     try:
         records = list(StreamReader(stream, skip_magic=True, record_size_limit=LONGEST_RECORD).records)
-    except _DAMAGE:
+    except _DAMAGE:  # without an index the file is read from its begin
         return False
     return _take_index(file, records)
 
@@ -296,7 +296,7 @@ def _is_known(type_name: str, schema: Schema) -> bool:
         learn(type_name, schema.data.decode(errors="replace"))  # comments in any encoding
         prepare(type_name)
         return True
-    except MessageError:
+    except MessageError:  # its messages are listed, and not read
         return False
 
 

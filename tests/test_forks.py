@@ -110,7 +110,7 @@ def test_what_a_program_leaves_behind_is_not_adopted() -> None:
 
 def test_a_folder_that_is_not_there_is_told_as_ever(tmp_path: Path) -> None:
     with pytest.raises(FileNotFoundError, match="nowhere"):
-        subprocess.run(LISTING, cwd=tmp_path / "nowhere", check=False)
+        subprocess.run(LISTING, cwd=tmp_path / "nowhere", check=False)  # it does not begin
 
 
 def test_programs_that_begin_as_copies_are_those_of_the_distribution() -> None:

@@ -74,7 +74,7 @@ def test_a_recording_is_made_decoded_replayed_and_compared(folder: Path, capsys:
     deadline, recording = Deadline(), Path("happy.jsonl")
     while not (recording.exists() and keeps_time(recording)):  # else the machine has held up the emulator
         assert not deadline.has_passed(), deadline.in_words("the emulator keeps time while it records")
-        recording.unlink(missing_ok=True)
+        recording.unlink(missing_ok=True)  # of the try before, if any
         with emulator(*shlex.split(record)[1:], "--quiet") as robots, gateway(robots.port, "--bus", private_bus()):
             wait_until(lambda: robots.ask("truth")["robots"]["happy"]["motors_enabled"], "the gateway has connected")
             wait_until(lambda: robots.ask("truth")["time"] > 4.0, "some packets were recorded")

@@ -77,7 +77,7 @@ def draw_map(
         page.savefig(beside, dpi=90)
         beside.replace(path)
     finally:
-        beside.unlink(missing_ok=True)
+        beside.unlink(missing_ok=True)  # it is gone if all went well
 
 
 def _draw_grid(axes: "Axes", drawn: BuildingMap) -> None:

@@ -180,7 +180,7 @@ def _open_in_rerun(files: list[Path]) -> int:
     if absent := [each for each in files if not each.exists()]:
         print(f"acromovi plot: {absent[0]} does not exist", file=sys.stderr)
         return 1
-    return subprocess.run([program, *map(str, files)], check=False).returncode
+    return subprocess.run([program, *map(str, files)], check=False).returncode  # which is this one's
 
 
 COMMAND = Subcommand(EPILOG, _add_arguments, _run)

@@ -171,7 +171,7 @@ class Discovery:
         try:
             async with asyncio.timeout_at(end):
                 await moved.wait()
-        except TimeoutError:
+        except TimeoutError:  # nothing has moved until the end
             return False
         return True
 

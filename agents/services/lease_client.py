@@ -168,7 +168,7 @@ class HeldLease:
             return False  # the next renewal asks that one
         try:
             await self._gateways.renew(self.place, self.token, self.seconds)
-        except GatewayAway:
+        except GatewayAway:  # it is tried again at the next renewal
             return False
         self._arbiter = await find_arbiter(self._agent, self.seconds / RENEWALS / 2.0)  # one that is there by now
         return True

@@ -57,7 +57,7 @@ def robot_record(number: int, odom: Any, stamp: float, sonar: NDArray[np.uint16]
 def ranges_mm(ranges: Iterable[float]) -> NDArray[np.uint16]:
     """Return ranges, m, as the browser gets them; what is not finite or too far is `NOTHING`."""
     metres = np.asarray(ranges, np.float64)
-    with np.errstate(invalid="ignore"):
+    with np.errstate(invalid="ignore"):  # NaN is no measurement
         is_measured = np.isfinite(metres) & (metres > 0.0) & (metres < _FARTHEST)
     return np.where(is_measured, np.where(is_measured, metres, 0.0) * 1000.0, NOTHING).astype(np.uint16)
 
@@ -107,7 +107,7 @@ class SeenCells:
         """
         ranges = np.asarray(scan.ranges, np.float64)
         angles = scan.angle_min + scan.angle_increment * np.arange(len(ranges))
-        with np.errstate(invalid="ignore"):
+        with np.errstate(invalid="ignore"):  # NaN is no hit
             is_hit = np.isfinite(ranges) & (ranges >= scan.range_min) & (ranges < scan.range_max)
         laser = pose.compose(mount)
         directions, far = angles[is_hit] + laser.heading, ranges[is_hit]

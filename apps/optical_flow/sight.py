@@ -90,7 +90,7 @@ class FlowSight:
         speed = self._speed(columns.stamp - columns.interval, columns.stamp)
         if speed < memory.least_m_s:
             return
-        with np.errstate(invalid="ignore", divide="ignore"):
+        with np.errstate(invalid="ignore", divide="ignore"):  # NaN and zero rates, which `where` leaves out
             depths = np.where(columns.rates > 1e-3, speed / columns.rates, np.inf)
             doubtful = columns.deviations > memory.doubt * columns.rates + 0.03
         depths = np.where(np.isnan(columns.rates) | doubtful, np.nan, depths)
@@ -104,7 +104,7 @@ class FlowSight:
         memory, robot = self._settings.memory, self._settings.robot
         if self._way < memory.reflex_m or twist.linear < memory.least_m_s or self._turns_fast(columns):
             return math.inf
-        with np.errstate(invalid="ignore", divide="ignore"):
+        with np.errstate(invalid="ignore", divide="ignore"):  # likewise
             depths = np.where(columns.rates > 1e-3, twist.linear / columns.rates, np.inf)
             is_ahead = depths * np.abs(np.tan(columns.bearings)) < robot.width_m / 2.0
         gaps = np.sort(depths[is_ahead]) - (robot.front_m - robot.camera_m)

@@ -230,5 +230,5 @@ def _digest(password: str, salt: bytes) -> bytes:
 def _is_hex(text: str) -> bool:
     try:
         return bool(bytes.fromhex(text))
-    except ValueError:
+    except ValueError:  # that is what is asked
         return False

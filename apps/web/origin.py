@@ -76,6 +76,6 @@ def _name(address: str) -> str:
 def _is_address(name: str) -> bool:
     try:
         ipaddress.ip_address(name)
-    except ValueError:
+    except ValueError:  # that is what is asked
         return False
     return True

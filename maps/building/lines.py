@@ -41,7 +41,7 @@ def thinned(points: Floats, normals: Floats, cell: float = THINNED) -> tuple[Flo
     _, which, counts = np.unique(keys, return_inverse=True, return_counts=True)
     means = np.stack([np.bincount(which, each) / counts for each in points.T], axis=1)
     sums: Floats = np.stack([np.bincount(which, each) for each in np.nan_to_num(normals).T], axis=1)
-    with np.errstate(invalid="ignore"):
+    with np.errstate(invalid="ignore"):  # where there is no normal; NaN is returned
         facing: Floats = sums / np.hypot(sums[:, 0], sums[:, 1])[:, None]
     return means, facing, counts.astype(np.int64)
 

@@ -218,7 +218,7 @@ def scan_normals(points: Floats, origins: Floats) -> Floats:
         right = np.where((right < len(points) - 1) & np.append(joined, True)[right], right + 1, right)
     way = points[right] - points[left]
     length = np.hypot(*way.T)
-    with np.errstate(invalid="ignore", divide="ignore"):
+    with np.errstate(invalid="ignore", divide="ignore"):  # points that coincide have no normal
         normals = np.stack((-way[:, 1], way[:, 0]), axis=1) / length[:, None]
         bent = np.abs(((points - points[left]) * normals).sum(axis=1))
     towards = (normals * (origins - points)).sum(axis=1)

@@ -102,7 +102,7 @@ class CameraProcess:
             for is_watched in watched_reports(self._channel):
                 self.is_watched = is_watched
                 self.is_newly_watched |= is_watched
-        except OSError:
+        except OSError:  # the process has ended
             return False
         return True
 
@@ -114,7 +114,7 @@ class CameraProcess:
                 self.known -= moment.news.gone
                 self._knows_all = len(moment.news.new) < MOST_NEW
                 self.is_newly_watched = False
-        except OSError:
+        except OSError:  # the process has ended
             return False
         return True
 

@@ -35,7 +35,7 @@ def send(channel: socket.socket, moment: SceneMoment) -> bool:
     """
     try:
         channel.send(pickle.dumps(moment, pickle.HIGHEST_PROTOCOL), socket.MSG_DONTWAIT)
-    except BlockingIOError:
+    except BlockingIOError:  # it is full; what was not sent goes with the next one
         return False
     return True
 

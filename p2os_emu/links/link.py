@@ -78,7 +78,7 @@ class Outlet:
                 if self._rest:
                     return False
             self._rest = data[os.write(descriptor, data) :]
-        except BlockingIOError:
+        except BlockingIOError:  # it takes no more now; the rest goes first later
             return False
         return True
 

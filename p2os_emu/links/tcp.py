@@ -43,7 +43,7 @@ class _Connection:
             return False
         try:
             data = os.read(self._socket.fileno(), _READ_SIZE)
-        except BlockingIOError:
+        except BlockingIOError:  # nothing has come
             return False
         except OSError:
             data = b""

@@ -129,7 +129,7 @@ def _cast(edges: Edges, own: int, x: float, y: float, first: float, step: float,
     bearings = first + step * np.arange(count)
     c, s = np.cos(bearings), np.sin(bearings)
     slant = s[beams] * ex[which] - c[beams] * ey[which]  # of beam and edge: the sine between them by the edge's length
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(divide="ignore", invalid="ignore"):  # beams along an edge, which do not meet it
         distances = -area[which] / slant
     met = np.flatnonzero((distances > 0.0) & (distances <= reach))
     order = met[np.argsort(-distances[met], kind="stable")]  # the last one written to a beam stays: the nearest

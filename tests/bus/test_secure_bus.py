@@ -315,7 +315,7 @@ def test_files_that_do_not_belong_together_are_told(quiet_site: Site) -> None:
 def allows(permit: Permit, message: str, key: str) -> bool:
     try:
         permit.require(message, key)
-    except NotAllowed:
+    except NotAllowed:  # that is what is asked
         return False
     return True
 

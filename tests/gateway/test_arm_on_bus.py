@@ -159,7 +159,7 @@ class Watcher:
         """Whether it was accepted."""
         try:
             self._bus.query(keys.REACH.key(self._name), order)
-        except (Refused, NoAnswer):
+        except (Refused, NoAnswer):  # that is what is asked
             return False
         return True
 

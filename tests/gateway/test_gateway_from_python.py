@@ -14,7 +14,7 @@ from tests.waiting import wait_until
 def is_on_bus(bus: ZenohBus, robot: str) -> bool:
     try:
         (answer,) = bus.query(DESCRIPTION.key(robot))
-    except TimeoutError:
+    except TimeoutError:  # nobody has answered
         return False
     return bool(answer.value["model"] == "p3dx")
 

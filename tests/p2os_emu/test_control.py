@@ -55,7 +55,7 @@ class Office:
         def complete() -> bool:
             try:
                 heard.extend(visitor.recv(65536))
-            except BlockingIOError:
+            except BlockingIOError:  # nothing more has come yet
                 return False
             return heard.count(b"\n") >= count
 
@@ -65,9 +65,9 @@ class Office:
     def is_shut_out(self, visitor: socket.socket) -> bool:
         try:
             return visitor.recv(65536) == b""
-        except BlockingIOError:
+        except BlockingIOError:  # the connection is open
             return False
-        except ConnectionResetError:
+        except ConnectionResetError:  # it was closed while bytes waited
             return True
 
     def close(self) -> None:

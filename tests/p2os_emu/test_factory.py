@@ -53,7 +53,7 @@ def answer(hall: Hall, client: socket.socket, until: Callable[[Callable[[], bool
         hall.step()
         try:
             data = client.recv(100)
-        except BlockingIOError:
+        except BlockingIOError:  # nothing has come yet
             return False
         frames.extend(found.payload for found in decoder.receive(data, 0.0) if isinstance(found, Frame))
         return bool(frames)

@@ -124,7 +124,7 @@ def test_emulator_that_a_test_kills_leaves_no_folder() -> None:
 def is_gone(pid: int) -> bool:
     try:
         state = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0]
-    except (FileNotFoundError, ProcessLookupError):
+    except (FileNotFoundError, ProcessLookupError):  # it has ended
         return True
     return state == "Z"  # dead, and its adoptive parent has not looked yet
 

@@ -264,7 +264,7 @@ def test_no_definition_in_a_file_raises_anything(
     text: str, name: str, tmp_path_factory: pytest.TempPathFactory
 ) -> None:
     path = tmp_path_factory.getbasetemp() / "definition.mcap"
-    path.unlink(missing_ok=True)
+    path.unlink(missing_ok=True)  # of the definition before, if any
     file = McapFile(path, "test", {})
     file.add_message(file.add_channel("/a/b", "cdr", file.add_schema(name, text)), START, START, b"\0\1\0\0")
     file.finish()

@@ -160,7 +160,7 @@ class Container:
         await check_free(self._bus, agent.name)
         try:
             await self.bring_up(agent, agent.begin)
-        except SetupFailed:
+        except SetupFailed:  # it has been reported by `bring_up`
             return False
         return agent.state is AgentState.ACTIVE
 

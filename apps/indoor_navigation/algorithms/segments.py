@@ -40,7 +40,7 @@ class Beams:
         """Return the beams of a scan; a scan all around begins at the nearest object, so that no door is split."""
         ranges = np.asarray(scan.ranges, dtype=np.float64)
         rays = _rays(len(ranges), scan.angle_min, scan.angle_increment)
-        with np.errstate(invalid="ignore"):
+        with np.errstate(invalid="ignore"):  # NaN is no hit
             is_hit = (ranges > MIN_RANGE) & scan.is_hit
             free = np.where(is_hit, ranges, np.where(ranges >= scan.range_max, scan.range_max, 0.0))
         if scan.angle_increment < 0.0:

@@ -41,7 +41,7 @@ class Plane:
         rays = np.stack((np.cos(directions), np.sin(directions)), axis=-1)[:, None, :]
         to_wall = self._from - (x, y)
         crossing = _cross(rays, self._along)
-        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):  # rays along a wall, sorted out below
             far = _cross(to_wall, self._along) / crossing
             along = _cross(to_wall, rays) / crossing
         met = (crossing != 0.0) & (far >= 0.0) & (along >= 0.0) & (along <= 1.0)

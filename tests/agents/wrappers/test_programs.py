@@ -214,7 +214,7 @@ def is_alive(pid: int) -> bool:
     """Whether it runs; a zombie that nobody fetches does not."""
     try:
         return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
-    except (FileNotFoundError, ProcessLookupError):
+    except (FileNotFoundError, ProcessLookupError):  # it has ended
         return False
 
 

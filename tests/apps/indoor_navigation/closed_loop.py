@@ -280,7 +280,7 @@ class ClosedLoop:
             x1, y1, x2, y2 = (self._walls[:, column, None] for column in range(4))
             ex, ey = x2 - x1, y2 - y1
             cross = ux * ey - uy * ex
-            with np.errstate(divide="ignore", invalid="ignore"):
+            with np.errstate(divide="ignore", invalid="ignore"):  # rays along a wall, sorted out below
                 along = ((x1 - x) * ey - (y1 - y) * ex) / cross
                 part = ((x1 - x) * uy - (y1 - y) * ux) / cross
             is_met = (along >= 0.0) & (part >= 0.0) & (part <= 1.0) & (np.abs(cross) > 1e-12)

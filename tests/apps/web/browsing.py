@@ -88,7 +88,7 @@ class OpenPage:
                 if not wanted.count():
                     self.page.get_by_label(label).first.click()
                 wanted.click(timeout=patience(SHOWN) * 1e3)
-            except NotFound:
+            except NotFound:  # it was drawn anew; the next look finds it
                 return False
             return True
 

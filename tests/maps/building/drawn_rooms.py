@@ -53,7 +53,7 @@ def scan(walls: Sequence[Segment], pose: Pose2D, rng: np.random.Generator) -> Fl
     ray_x, ray_y = np.cos(directions)[:, None], np.sin(directions)[:, None]
     cross = ray_x * dy - ray_y * dx
     to_x, to_y = table[:, 0] - pose.x, table[:, 1] - pose.y
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(divide="ignore", invalid="ignore"):  # rays along a wall, which do not meet it
         ranges = (to_x * dy - to_y * dx) / cross
         along = (to_x * ray_y - to_y * ray_x) / cross
     met = np.where((ranges >= 0.0) & (along >= 0.0) & (along <= 1.0), ranges, np.inf).min(axis=1)

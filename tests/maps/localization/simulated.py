@@ -52,7 +52,7 @@ def scan(plan: BuildingMap, pose: Pose2D, rng: np.random.Generator) -> NDArray[n
     rays = np.stack((np.cos(headings), np.sin(headings)), axis=1)[:, np.newaxis]
     to = start - (pose.x, pose.y)
     cross = rays[..., 0] * way[:, 1] - rays[..., 1] * way[:, 0]
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(divide="ignore", invalid="ignore"):  # rays along a wall, which do not meet it
         ranges = (to[:, 0] * way[:, 1] - to[:, 1] * way[:, 0]) / cross
         along = (to[:, 0] * rays[..., 1] - to[:, 1] * rays[..., 0]) / cross
     is_hit = (ranges > 0.0) & (along >= 0.0) & (along <= 1.0)

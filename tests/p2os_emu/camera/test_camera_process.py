@@ -75,7 +75,7 @@ def camera_pid(emulator_pid: int) -> int:
 def is_running(pid: int) -> bool:
     try:
         state = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0]
-    except FileNotFoundError:
+    except FileNotFoundError:  # it has ended
         return False
     return state != "Z"
 

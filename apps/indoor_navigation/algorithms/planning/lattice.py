@@ -296,7 +296,7 @@ class PlanSearch:
 
 def _downhill(left: Floats) -> Floats:
     """Return the direction in which the cost that is left decreases in each cell, rad; NaN where that is not known."""
-    with np.errstate(invalid="ignore"):
+    with np.errstate(invalid="ignore"):  # between two infinite costs; NaN is returned
         up, right = np.gradient(left)
         return np.asarray(np.where(np.isfinite(up) & np.isfinite(right), np.arctan2(-up, -right), np.nan))
 

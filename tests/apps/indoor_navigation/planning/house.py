@@ -83,7 +83,7 @@ def distances(x: float, y: float, angles: Floats, lines: Floats, reach: float) -
     ax, ay = lines[:, 0] - x, lines[:, 1] - y
     dx, dy = lines[:, 2] - lines[:, 0], lines[:, 3] - lines[:, 1]
     turn = ux * dy - uy * dx
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(divide="ignore", invalid="ignore"):  # rays along a wall, sorted out below
         far = (ax * dy - ay * dx) / turn
         part = (ax * uy - ay * ux) / turn
     hit = (turn != 0.0) & (part >= 0.0) & (part <= 1.0) & (far >= 0.0)
