@@ -108,7 +108,7 @@ class Driving:
             )
             return True
         comes_nearer = self._progress.stands_for(now) < HALTED and barrier.ahead > parameters.guide.stop_before
-        if comes_nearer or barrier.ahead > 2.0 * parameters.guide.stop_before:
+        if comes_nearer or barrier.ahead > parameters.guide.follow_from:
             return False
         why = f"something is in the way, {barrier.ahead:.1f} m ahead"
         waiting = Waiting(why, now, now + parameters.patience, barrier.cost, situation.barred)

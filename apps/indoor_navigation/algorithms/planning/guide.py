@@ -45,6 +45,11 @@ class GuideParameters:
     better: float
     memory: MemoryParameters
 
+    @property
+    def follow_from(self) -> float:
+        """Free way, m, to what may go away from which on the robot follows it; within it the robot may wait."""
+        return 2.0 * self.stop_before
+
 
 @dataclass(frozen=True, slots=True)
 class _Barrier:
@@ -182,7 +187,7 @@ class Guide:
         """Return whether what barred the way has left so much of it free that the robot can follow."""
         self.advance()
         barrier = self.barrier(now)
-        return barrier is None or (barrier.may_go and barrier.ahead > 2.0 * self._parameters.stop_before)
+        return barrier is None or (barrier.may_go and barrier.ahead > self._parameters.follow_from)
 
     def make_way(self, barred: Place | None) -> bool:
         """Take a way to a place aside; return whether there is one near."""
