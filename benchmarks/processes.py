@@ -13,9 +13,15 @@ TICKS_PER_SECOND = os.sysconf("SC_CLK_TCK")
 
 
 def cpu_seconds(pid: int) -> float:
-    """Processor time a process has used so far, all threads, user and system, s."""
-    fields = Path(f"/proc/{pid}/stat").read_text(encoding="ascii").rpartition(")")[2].split()
-    return (int(fields[11]) + int(fields[12])) / TICKS_PER_SECOND
+    """Processor time a process has used so far, all threads, user and system, s.
+
+    By the clock of the process, which counts ns; those of /proc count ticks of 10 ms.
+
+    Raises:
+        OSError: There is no such process.
+    """
+    clock = ~pid << 3 | 2  # as clock_getcpuclockid(3) makes it, which Python does not have
+    return time.clock_gettime(clock)
 
 
 def resident_megabytes(pid: int) -> float:
