@@ -41,6 +41,7 @@ GROUPS = {
     "map_navigation": "missions on a map: static, changed, with people and a second robot; writes table and picture",
     "map_team": "seven robots with goals in one building, in lockstep; writes map-team.json and a picture",
     "mapping": "maps of laser scans against the truth, in lockstep; writes mapping.md and pictures",
+    "exploration": "exploration of floors by one robot and by two, in lockstep; writes exploration.md",
     "surveillance": "patrols of generated floors in virtual time; writes surveillance.md and pictures",
     "formation": "formations of three to five robots in lockstep; writes formation.md and pictures",
     "following": "robots that follow each other by sight, rendered in lockstep; writes following.md and pictures",

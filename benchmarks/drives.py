@@ -17,7 +17,8 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         "--seeds",
         type=seeds_of,
         metavar="FIRST-LAST",
-        help="seeds of optical_flow, following, fetch and formation: 20-39, or 20,25,31 (default: those of each)",
+        help="seeds of optical_flow, following, fetch, formation and exploration: 20-39, or 20,25,31 (default: those "
+        "of each)",
     )
     parser.add_argument(
         "--drive-minutes", type=float, help="length of a drive of optical_flow [10] and of a pair of following [5]"

@@ -11,19 +11,16 @@ from pathlib import Path
 
 import numpy as np
 
-from acromovi.mapping.picture import draw_map
 from agents.components.mapping.mapping_tools import MapWork, sensors_of
 from agents.components.mapping.settings import MappingAgentSettings
 from benchmarks.figures import Figure
 from benchmarks.mapping_course import Heard, spread_places, survey
-from benchmarks.mapping_explore import Explored, explore
 from benchmarks.mapping_scores import MapScore, score, true_edges
 from geometry import Pose2D, Segment, wrap_angle
 from maps.building_map import BuildingMap
 from p2os_emu.world import load_world
 
 GROUP = "mapping"
-EXPLORED = ("house",)
 WORLDS = ("office", "house", "plan:11", "plan:12", "plan:13")
 SEED = 7
 APART = 5.0  # m between places of worlds that name too few
@@ -31,7 +28,6 @@ FEW_PLACES = 4
 HEIGHT = 0.2  # m of the scanned plane, as in configs/accessories/lms200.toml
 REACH = 0.05  # share of walls that may be farther off than 4 cm
 MOST_DOUBLE = 0.3  # m of lines that double a wall: some samples at corners
-MOST_UNSEEN = 0.02  # share of the floor that can be reached: corners behind furniture
 MOST_OFF = 0.10  # m; an open loop leaves more
 
 
@@ -59,17 +55,11 @@ def measure(options: argparse.Namespace) -> list[Figure]:
         results.append(build(name, SEED, options.out))
         print(row(results[-1]), flush=True)
         (options.out / "mapping.md").write_text(page(results), encoding="utf-8")
-    explored = [explore(name, load_world(name), SEED) for name in EXPLORED]
-    (options.out / "mapping.md").write_text(page(results, explored), encoding="utf-8")
-    for each in explored:
-        draw_map(options.out / f"mapping-explored-{each.world}.png", each.made, f"{each.world}, explored")
-    unseen = max(1.0 - each.seen for each in explored)
     inexact = max(1.0 - each.score.exact for each in results)
     count = len(results)
     return [
         Figure(GROUP, "walls farther than 4 cm from the truth, worst map", inexact, REACH, "", count),
         Figure(GROUP, "double walls, worst map", max(each.score.double for each in results), MOST_DOUBLE, "m", count),
-        Figure(GROUP, "floor that an exploring robot has not seen", unseen, MOST_UNSEEN, "", len(explored)),
         Figure(GROUP, "error of a pose, worst map", max(each.score.off for each in results), MOST_OFF, "m", count),
     ]
 
@@ -178,14 +168,9 @@ HEAD = (
 )
 
 
-def page(results: Sequence[MapResult], explored: Sequence[Explored] = ()) -> str:
-    """Return the page with all maps, and with explorations."""
+def page(results: Sequence[MapResult]) -> str:
+    """Return the page with all maps."""
     lines = ["# Maps of laser scans", "", f"| {' | '.join(HEAD)} |", f"|{' --- |' * len(HEAD)}"]
     lines += [row(each) for each in results]
-    lines += [
-        f"- {each.world}, explored with seed {each.seed}: {each.seconds:.0f} s, {each.driven:.0f} m, {each.missions} "
-        f"missions, {each.seen:.1%} of the floor seen, touched {', '.join(each.touched) or 'nothing'}"
-        for each in explored
-    ]
     lines += ["", *(f"![{each.world}](mapping-{each.world.replace(':', '-')}.png)" for each in results)]
     return "\n".join(lines) + "\n"

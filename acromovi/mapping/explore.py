@@ -10,16 +10,14 @@ from agents.platform.errors import AgentError, RequestNotDone
 from bus import keys
 from bus.bus import Bus
 from bus.errors import BusError
-from geometry import Point, Pose2D
+from geometry import Point
+from maps.building.common_frame import CommonFrame
 from maps.building.exploring import Explorer, ExploringOrder, MissionStanding, RobotSight
-from maps.building.merging import NoOverlap, placed
-from maps.building_map import BuildingMap
 
 if TYPE_CHECKING:
     from agents.platform import Agent, AgentName
 
 REPLY = 5.0  # s for the navigation to answer
-MEETING_PERIOD = 15.0  # s between two attempts to place the maps of two robots
 TOLERANCE = 0.3  # m from a frontier that count as reached
 BESIDE = 0.05  # m left beside the robot
 WIDTH = 0.5  # m of a robot that does not describe itself
@@ -40,8 +38,7 @@ class ExploringTeam:
         self._interfaces = interfaces
         self._explorer = Explorer(radius)
         self._missions: dict[str, tuple[str, float]] = {}  # name, and when it was sent, s of the loop's time
-        self._frames: dict[str, Pose2D] = {grids.robots[0]: Pose2D()}
-        self._met_at = float("-inf")
+        self._frame = CommonFrame(grids.robots[0])
 
     @classmethod
     async def found(cls, bus: Bus, agent: "Agent", grids: LiveGrids) -> "ExploringTeam":
@@ -71,9 +68,9 @@ class ExploringTeam:
                 sights[robot] = RobotSight(grid, pose, await self._mission(robot))
         if len(sights) < len(self._grids.robots):
             return False
-        await self._meet(now, sights)
         loop = asyncio.get_running_loop()
-        orders = await loop.run_in_executor(None, self._explorer.decide, now, sights, self._frames)
+        await loop.run_in_executor(None, self._frame.look, now, {robot: each.grid for robot, each in sights.items()})
+        orders = await loop.run_in_executor(None, self._explorer.decide, now, sights, self._frame.poses)
         for robot, order in orders.items():
             await self._send(robot, order)
         return self._explorer.is_finished
@@ -119,19 +116,6 @@ class ExploringTeam:
         outcome = await self._agent.request(interface, "go", reply_within=REPLY, x=x, y=y, tolerance=TOLERANCE)
         name = outcome.result["mission"] if outcome.is_done else ""
         self._missions[robot] = name, asyncio.get_running_loop().time()
-
-    async def _meet(self, now: float, sights: dict[str, RobotSight]) -> None:
-        """Find how the maps of others lie in the first one's, as soon as they show the same rooms."""
-        others = [robot for robot in sights if robot not in self._frames]
-        if not others or now - self._met_at < MEETING_PERIOD:
-            return
-        self._met_at = now
-        first, *_ = self._grids.robots
-        loop = asyncio.get_running_loop()
-        for robot in others:
-            ours, theirs = BuildingMap(grid=sights[first].grid), BuildingMap(grid=sights[robot].grid)
-            with suppress(NoOverlap):  # not yet; it is tried again after the next period
-                self._frames[robot] = (await loop.run_in_executor(None, placed, ours, theirs)).pose
 
 
 def _half_width(bus: Bus, robot: str) -> float:
