@@ -15,6 +15,7 @@ _LEAST_TURN = 0.06  # rad/s; slower, wheels do not turn
 _MOST_STEER = 0.3  # rad/s on the straight way
 _MOST_TURN = 0.4  # rad/s of a turn to a point
 _SHORT_OF = 0.3  # rad below half a turn to which it unwinds, so that the way there is the shorter one
+_TAPER = 0.5  # 1/s, of the speed for each m that is left, at the end of an approach
 _SLOWER = 0.1  # m before the straight part of an approach, from which on the robot creeps
 
 
@@ -109,8 +110,10 @@ class FetchDriving:
 
     def straight_to(self, pose: Pose2D, goal: Point, left: float) -> Twist2D:
         """Return the velocity straight to a point, until it is between the fingers, which is so many m away."""
-        drive, straight = self._settings.drive, self._settings.grip.straight_m
-        speed = drive.creep_m_s if left < straight - self._settings.robot.grip_m + _SLOWER else drive.speed_m_s / 2.0
+        drive, grip = self._settings.drive, self._settings.grip
+        straight, speed = grip.straight_m, drive.speed_m_s / 2.0
+        if left < straight - self._settings.robot.grip_m + _SLOWER:
+            speed = min(drive.creep_m_s, max(grip.last_m_s, _TAPER * left))
         away = hypot(goal[0] - pose.x, goal[1] - pose.y)
         turn = drive.gain * pose.bearing_to(*goal) if away > straight else 0.0
         return Twist2D(speed, max(-_MOST_STEER, min(_MOST_STEER, turn)))

@@ -95,6 +95,7 @@ class _GripSettings:
     standoff_images: float
     facing_rad: float
     straight_m: float
+    last_m_s: float
     beyond_m: float
     wait_s: float
     back_m: float
