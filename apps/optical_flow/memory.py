@@ -22,9 +22,13 @@ Ints = NDArray[np.int64]
 
 
 class FloorMemory:
-    """A grid in the frame of the odometry that moves with the robot."""
+    """A grid in the frame of the odometry that moves with the robot.
+
+    half_view: angle from the middle of the newest image to its sides, rad.
+    """
 
     def __init__(self, settings: FlowSettings) -> None:
+        self.half_view = 0.0
         self._settings = settings
         self._cell = settings.memory.cell_m
         self._evidence = np.zeros((SIDE, SIDE))  # above 0 for an obstacle
@@ -76,6 +80,7 @@ class FloorMemory:
             half_width: Of a column, rad.
         """
         memory = self._settings.memory
+        self.half_view = float(np.abs(bearings).max()) + half_width
         known = ~np.isnan(depths)
         if not known.any():
             return

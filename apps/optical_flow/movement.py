@@ -9,7 +9,6 @@ from geometry import Twist2D
 
 REST = Twist2D()
 _WAYS = 0.6  # m that must be clear in a direction that is chosen
-_UNSEEN_COST = 0.2  # rad/s away from the wanted curve that the riskiest curve over floor that was never seen is worth
 _CURVES = 17  # turn rates that are compared
 _AHEAD = {FlowSituation.FREE: np.radians(50.0), FlowSituation.UNKNOWN: np.radians(30.0)}
 _SIDEWAYS = np.radians(80.0)
@@ -46,18 +45,23 @@ def direction_around(around: FlowSurroundings, settings: FlowSettings, least: fl
 def steered(
     around: FlowSurroundings, situation: FlowSituation, bearing: float, settings: FlowSettings
 ) -> Twist2D | None:
-    """Return the twist toward a bearing, on the nearest curve that is free; None where there is none."""
+    """Return the twist toward a bearing, on the nearest curve that is free; None where there is none.
+
+    Curves over floor that was never seen are slow, and are taken only where there is no other one.
+    """
     drive = settings.drive
     wanted = float(np.clip(drive.gain * bearing, -drive.steer_rad_s, drive.steer_rad_s))
     turns = np.linspace(-drive.steer_rad_s, drive.steer_rad_s, _CURVES)
-    costs = np.abs(turns - wanted) + _UNSEEN_COST * around.risks(turns, settings)
-    turns = turns[np.argsort(costs, kind="stable")]
+    turns = turns[np.argsort(np.abs(turns - wanted), kind="stable")]
     fast = drive.slow_m_s if situation in (FlowSituation.UNKNOWN, FlowSituation.NEAR) else drive.speed_m_s
     for speed in (fast, drive.slow_m_s) if fast > drive.slow_m_s else (fast,):
-        free = turns[around.free_curves(speed, turns, settings)]
+        free = turns[around.free_curves(speed, turns, settings) & around.seen_curves(speed, turns, settings)]
         if len(free) and (speed == drive.slow_m_s or abs(free[0] - wanted) < drive.steer_rad_s):
             return Twist2D(speed, float(free[0]))
-    return None
+    costs = np.abs(turns - wanted) + around.risks(turns, settings)
+    costs[~around.free_curves(drive.slow_m_s, turns, settings)] = np.inf
+    best = int(np.argmin(costs))
+    return Twist2D(drive.slow_m_s, float(turns[best])) if np.isfinite(costs[best]) else None
 
 
 def crept(around: FlowSurroundings, settings: FlowSettings) -> Twist2D | None:

@@ -35,6 +35,7 @@ class _FlowDrive:
     horizon_s: float
     side_gap_m: float
     front_gap_m: float
+    unseen_gap_m: float
     look_m: float
 
 

@@ -12,8 +12,9 @@ from geometry import Pose2D
 _STEP = 0.25  # s along a curve
 _TURN_STEP = np.radians(6.0)
 _TURN_GAP = 0.07  # m between the hull and an obstacle while it turns on the spot
+_TURN_GAP_UNKNOWN = 0.03  # m likewise, to the middle of a place of which nothing is known
 _NEXT = 0.45  # m before the hull that the camera does not see beside its middle, so that it must have been seen before
-_UNSEEN = 4.0  # cells at the hull that make a curve as risky as one can be
+_UNSEEN = 16.0  # places at the hull that make a curve as risky as one can be
 _NEARER, _LEAST = 0.02, 0.05  # m by which what is within the margin may come nearer, and how near at most
 _ROUNDING = 0.001  # m
 _BESIDE = 0.5  # m before the axle to which obstacles count as beside the robot
@@ -27,7 +28,8 @@ class FlowSurroundings:
     middle of the lane to where nothing is known. left, right: at the sides. bearings: of the directions, rad, left
     positive. clear: m that the axle can go in each direction. fresh: m of that which were not visited lately.
     sure: share of the floor next to the hull in each direction that is known to be free.
-    unseen: cells near the robot that are not known to be free, m in the frame of the robot, shape (n, 2).
+    unknown: floor near the robot that is not known to be free, m in the frame of the robot, shape (n, 2).
+    unseen: the part of it that is out of view; of the other part, images will tell.
     """
 
     points: Floats
@@ -39,6 +41,7 @@ class FlowSurroundings:
     clear: Floats
     fresh: Floats
     sure: Floats
+    unknown: Floats
     unseen: Floats
 
     @classmethod
@@ -55,23 +58,25 @@ class FlowSurroundings:
         steps = np.arange(cell / 2.0, reach, cell)
         middle = steps[steps > robot.front_m]
         is_known = memory.are_known(pose, np.stack((middle, np.zeros(len(middle))), axis=1))
-        unknown = middle[~is_known]
+        hidden = middle[~is_known]
         bearings = np.linspace(-np.pi, np.pi, settings.coverage.directions, endpoint=False)
         clear = _clear(points, bearings, half, reach)
         rays = np.stack((np.outer(np.cos(bearings), steps), np.outer(np.sin(bearings), steps)), axis=2)
         newness = memory.newness(pose, rays.reshape(-1, 2), time).reshape(len(bearings), -1)
         fresh = np.where(steps[None, :] < clear[:, None], newness, 0.0).sum(axis=1) * cell
+        unknown = _unknown(pose, memory, settings)
         return cls(
             points,
             float(x[lane].min(initial=np.inf)) - robot.front_m,
-            float(unknown.min(initial=reach)) - robot.front_m,
+            float(hidden.min(initial=reach)) - robot.front_m,
             float(left.min(initial=np.inf)) - robot.width_m / 2.0,
             float(right.min(initial=np.inf)) - robot.width_m / 2.0,
             bearings,
             clear,
             fresh,
             _sure(pose, bearings, memory, settings),
-            _unseen(pose, memory, settings),
+            unknown,
+            unknown[~_is_in_view(unknown, memory, settings)],
         )
 
     def toward(self, bearing: float, width: float) -> float:
@@ -81,49 +86,61 @@ class FlowSurroundings:
 
     def free_curves(self, speed: float, turns: Floats, settings: FlowSettings) -> np.ndarray:
         """Return for each turn rate, rad/s, whether the curve at a speed, m/s, is free of obstacles."""
-        robot, drive = settings.robot, settings.drive
-        reach = speed * drive.horizon_s + robot.front_m + 0.5
-        near = self.points[np.hypot(*self.points.T) < reach]
-        if not len(near):
-            return np.ones(len(turns), np.bool_)
-        times = np.arange(_STEP, drive.horizon_s + 1e-9, _STEP)
-        headings = np.outer(turns, times)
-        # The chord of an arc has half of its turn; sinc(0) is 1.
-        chord = speed * times[None, :] * np.sinc(headings / 2.0 / np.pi)
-        x, y = chord * np.cos(headings / 2.0), chord * np.sin(headings / 2.0)
-        ahead, aside = _seen_from(x, y, headings, near)
-        front = np.where(times < times[-1], robot.front_m, robot.front_m + drive.front_gap_m)[None, :, None]
-        struck = (ahead > -robot.rear_m) & (ahead < front) & (np.abs(aside) < robot.width_m / 2.0 + drive.side_gap_m)
-        # What is within the margin already must not hold the robot: it only must not come nearer.
-        now, gap = self._beside(near, settings), _gap(near[:, 0], near[:, 1], settings)
-        least = np.minimum(gap, np.maximum(gap - _NEARER, _LEAST))
-        struck &= ~now[None, None, :] | (_gap(ahead, aside, settings) < least - _ROUNDING)
-        return np.asarray(~struck.any(axis=(1, 2)))
+        drive = settings.drive
+        return self._keep_away(self.points, (drive.side_gap_m, drive.front_gap_m), speed, turns, settings)
+
+    def seen_curves(self, speed: float, turns: Floats, settings: FlowSettings) -> np.ndarray:
+        """Return for each turn rate, rad/s, whether the hull stays on floor that was seen, at a speed, m/s.
+
+        The inner side of a curve may never come into view before the hull is there.
+        """
+        return self._keep_away(self.unseen, (settings.drive.unseen_gap_m, 0.0), speed, turns, settings)
 
     def risks(self, turns: Floats, settings: FlowSettings) -> Floats:
         """Return for each turn rate, rad/s, how much unseen floor the hull comes near to, 0 to 1, at slow speed."""
         drive = settings.drive
         if not len(self.unseen):
             return np.zeros(len(turns))
-        times = np.arange(_STEP, drive.horizon_s + 1e-9, 3.0 * _STEP)
-        headings = np.outer(turns, times)
-        chord = drive.slow_m_s * times[None, :] * np.sinc(headings / 2.0 / np.pi)
-        x, y = chord * np.cos(headings / 2.0), chord * np.sin(headings / 2.0)
-        ahead, aside = _seen_from(x, y, headings, self.unseen)
+        _, ahead, aside = _curve(self.unseen, drive.slow_m_s, turns, 3.0 * _STEP, settings)
         away = _gap(ahead, aside, settings)
         near = np.maximum(1.0 - away.min(axis=1) / drive.side_gap_m, 0.0)
         return np.asarray(np.minimum(near.sum(axis=1) / _UNSEEN, 1.0))
 
-    def can_turn(self, angle: float, settings: FlowSettings) -> bool:
-        """Return whether the hull can turn on the spot by an angle, rad, without an obstacle in its way."""
-        robot = settings.robot
-        near = self.points[np.hypot(*self.points.T) < robot.turning_m + 2 * _TURN_GAP]
+    def _keep_away(
+        self, places: Floats, gaps: tuple[float, float], speed: float, turns: Floats, settings: FlowSettings
+    ) -> np.ndarray:
+        """Return for each curve whether the hull keeps gaps from places, m: beside it, and before it at the end."""
+        robot, drive = settings.robot, settings.drive
+        near = places[np.hypot(*places.T) < speed * drive.horizon_s + robot.front_m + 0.5]
         if not len(near):
-            return True
-        headings = np.sign(angle) * np.arange(_TURN_STEP, abs(angle) + _TURN_STEP, _TURN_STEP)[None, :]
+            return np.ones(len(turns), np.bool_)
+        side, before = gaps
+        times, ahead, aside = _curve(near, speed, turns, _STEP, settings)
+        front = np.where(times < times[-1], robot.front_m, robot.front_m + before)[None, :, None]
+        struck = (ahead > -robot.rear_m) & (ahead < front) & (np.abs(aside) < robot.width_m / 2.0 + side)
+        # What is within the margin already must not hold the robot: it only must not come nearer.
+        now, gap = _beside(near, side, settings), _gap(near[:, 0], near[:, 1], settings)
+        least = np.minimum(gap, np.maximum(gap - _NEARER, _LEAST))
+        struck &= ~now[None, None, :] | (_gap(ahead, aside, settings) < least - _ROUNDING)
+        return np.asarray(~struck.any(axis=(1, 2)))
+
+    def can_turn(self, angle: float, settings: FlowSettings, *, is_seen: bool = True) -> bool:
+        """Return whether the hull can turn on the spot by an angle, rad, without an obstacle in its way.
+
+        is_seen: whether floor that was never seen is in the way too; the rear goes where the camera does not look.
+        """
+        headings = np.sign(angle) * np.arange(_TURN_STEP, abs(angle) + _TURN_STEP, _TURN_STEP)
+        is_free = not self._strikes(self.points, headings, _TURN_GAP, settings)
+        return is_free and not (is_seen and self._strikes(self.unknown, headings, _TURN_GAP_UNKNOWN, settings))
+
+    @staticmethod
+    def _strikes(places: Floats, headings: Floats, gap: float, settings: FlowSettings) -> bool:
+        """Return whether any place is at most a gap, m, from the hull at any heading, rad."""
+        robot = settings.robot
+        near = places[np.hypot(*places.T) < robot.turning_m + 2.0 * gap]
         ahead, aside = _seen_from(np.zeros_like(headings), np.zeros_like(headings), headings, near)
-        inside = (ahead > -robot.rear_m - _TURN_GAP) & (ahead < robot.front_m + _TURN_GAP)
-        return not bool((inside & (np.abs(aside) < robot.width_m / 2.0 + _TURN_GAP)).any())
+        inside = (ahead > -robot.rear_m - gap) & (ahead < robot.front_m + gap)
+        return bool((inside & (np.abs(aside) < robot.width_m / 2.0 + gap)).any())
 
     def can_back(self, distance: float, settings: FlowSettings) -> bool:
         """Return whether the hull can go straight back by a distance, m."""
@@ -132,12 +149,25 @@ class FlowSurroundings:
         behind = (x < 0.0) & (x > -robot.rear_m - distance - _TURN_GAP)
         return not bool((behind & (np.abs(y) < robot.width_m / 2.0)).any())
 
-    @staticmethod
-    def _beside(points: Floats, settings: FlowSettings) -> np.ndarray:
-        robot, gap = settings.robot, settings.drive.side_gap_m
-        x, y = points[:, 0], points[:, 1]
-        inside = (x > -robot.rear_m) & (x < robot.front_m) & (np.abs(y) < robot.width_m / 2.0 + gap)
-        return np.asarray(inside)
+
+def _beside(points: Floats, gap: float, settings: FlowSettings) -> np.ndarray:
+    """Return which points are beside the hull, at most so many m away."""
+    robot = settings.robot
+    x, y = points[:, 0], points[:, 1]
+    inside = (x > -robot.rear_m) & (x < robot.front_m) & (np.abs(y) < robot.width_m / 2.0 + gap)
+    return np.asarray(inside)
+
+
+def _curve(
+    points: Floats, speed: float, turns: Floats, step: float, settings: FlowSettings
+) -> tuple[Floats, Floats, Floats]:
+    """Return times on curves, s, and points as the robot sees them then: ahead and to the left, (turns, times, n)."""
+    times = np.arange(_STEP, settings.drive.horizon_s + 1e-9, step)
+    headings = np.outer(turns, times)
+    # The chord of an arc has half of its turn; sinc(0) is 1.
+    chord = speed * times[None, :] * np.sinc(headings / 2.0 / np.pi)
+    x, y = chord * np.cos(headings / 2.0), chord * np.sin(headings / 2.0)
+    return times, *_seen_from(x, y, headings, points)
 
 
 def _gap(ahead: Floats, aside: Floats, settings: FlowSettings) -> Floats:
@@ -158,14 +188,20 @@ def _clear(points: Floats, bearings: Floats, radius: float, reach: float) -> Flo
     return np.asarray(np.clip(until.min(axis=1), 0.0, reach))
 
 
-def _unseen(pose: Pose2D, memory: FloorMemory, settings: FlowSettings) -> Floats:
-    """Return places that the hull can come near to on a slow curve and of which nothing is known."""
+def _unknown(pose: Pose2D, memory: FloorMemory, settings: FlowSettings) -> Floats:
+    """Return places beside the hull that it can come near to, and of which nothing is known."""
     robot, cell = settings.robot, settings.memory.cell_m
-    reach = settings.drive.slow_m_s * settings.drive.horizon_s + robot.front_m
-    x, y = np.meshgrid(np.arange(-robot.rear_m, reach, cell), np.arange(-0.6, 0.61, cell))
-    places = np.stack((x.ravel(), y.ravel()), axis=1)
-    places = places[(places[:, 0] > robot.front_m) | (np.abs(places[:, 1]) > robot.width_m / 2.0)]
+    reach = settings.drive.speed_m_s * settings.drive.horizon_s + robot.front_m
+    along, across = np.arange(-robot.turning_m - cell, reach, cell / 2.0), np.arange(-0.6, 0.61, cell / 2.0)
+    x, y = (each.ravel() for each in np.meshgrid(along, across))
+    is_hull = (x >= -robot.rear_m) & (x <= robot.front_m) & (np.abs(y) <= robot.width_m / 2.0)
+    places = np.stack((x, y), axis=1)[~is_hull]
     return np.asarray(places[~memory.are_known(pose, places)])
+
+
+def _is_in_view(places: Floats, memory: FloorMemory, settings: FlowSettings) -> np.ndarray:
+    bearings = np.arctan2(places[:, 1], places[:, 0] - settings.robot.camera_m)
+    return np.asarray(np.abs(bearings) < memory.half_view)
 
 
 def _sure(pose: Pose2D, bearings: Floats, memory: FloorMemory, settings: FlowSettings) -> Floats:

@@ -1,6 +1,7 @@
 """Wandering by optical flow: takes readings, and returns twist, situation and reason. No bus and no clock."""
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 from enum import Enum
 
@@ -225,20 +226,22 @@ class Wanderer:
     def _turned_away(self, around: FlowSurroundings, readings: FlowReadings) -> Twist2D:
         """Turn on the spot where the hull has room; else back off first."""
         bearing = direction_around(around, self.settings)
-        if not around.can_turn(bearing, self.settings):
-            other = bearing - math.copysign(2.0 * math.pi, bearing)
-            if around.can_turn(other, self.settings):
-                bearing = other
-            elif self._can_back(around, readings.pose):
-                self._begin(_WanderMode.BACK, readings, readings.time + 2.0 * self.settings.safety.back_m / _BACKING)
-                return REST
-            else:
-                free = [each for each in _TURNS if around.can_turn(each, self.settings)]
-                if not free:
-                    return self._squeezed(around, readings)
-                bearing = max(free, key=lambda each: _at(around, around.clear, each))
-        self._turn_to(bearing, readings)
+        ways = (bearing, bearing - math.copysign(2.0 * math.pi, bearing))
+        turn = self._free_turn(around, ways, is_seen=True)
+        if turn is None and self._can_back(around, readings.pose):
+            self._begin(_WanderMode.BACK, readings, readings.time + 2.0 * self.settings.safety.back_m / _BACKING)
+            return REST
+        turns = (*ways, *sorted(_TURNS, key=lambda each: -_at(around, around.clear, each)))
+        for is_seen in (True, False):
+            turn = turn if turn is not None else self._free_turn(around, turns, is_seen=is_seen)
+        if turn is None:
+            return self._squeezed(around, readings)
+        self._turn_to(turn, readings)
         return REST
+
+    def _free_turn(self, around: FlowSurroundings, turns: Iterable[float], *, is_seen: bool) -> float | None:
+        """Return the first of some turns on the spot for which the hull has room, rad; None for none."""
+        return next((each for each in turns if around.can_turn(each, self.settings, is_seen=is_seen)), None)
 
     def _squeezed(self, around: FlowSurroundings, readings: FlowReadings) -> Twist2D:
         """Creep along the freest arc ahead; where there is none, stand and doubt more and more what is remembered."""

@@ -40,7 +40,7 @@ def test_near_walls_are_near_and_a_corner_has_walls_at_both_sides() -> None:
     sides = np.array([(0.3, y) for y in np.arange(-0.6, 0.61, 0.1)] + [(x, y) for x in (0.0, 0.2) for y in (-0.5, 0.5)])
     points = np.concatenate((around.points, sides))
     clear = np.full(len(around.bearings), 0.3)
-    corner = FlowSurroundings(points, 0.3, 0.3, 0.3, 0.3, around.bearings, clear, clear, clear, around.unseen)
+    corner = replace(around, points=points, ahead=0.3, known=0.3, left=0.3, right=0.3, clear=clear)
     assert judge(corner, SETTINGS).situation is FlowSituation.CORNER
 
 
@@ -93,6 +93,35 @@ def test_a_curve_over_floor_that_was_never_seen_is_a_risk() -> None:
     assert left < right
 
 
+def test_the_inner_side_of_a_steady_curve_never_comes_into_view_so_its_floor_is_not_known() -> None:
+    memory, pose, turn, step = FloorMemory(SETTINGS), Pose2D(), SETTINGS.drive.steer_rad_s, 0.1
+    memory.begin(pose)
+    for _ in range(150):  # on a curve, with images all the way
+        memory.drive_over(pose, 0.0)
+        memory.see(pose.compose(Pose2D(SETTINGS.robot.camera_m)), BEARINGS, flat(np.inf), HALF)
+        pose = pose.compose(Pose2D(SETTINGS.drive.speed_m_s * step, 0.0, turn * step))
+    around = FlowSurroundings.around(pose, 0.0, memory, SETTINGS)
+    assert around.free_curves(SETTINGS.drive.speed_m_s, np.array([turn]), SETTINGS).all()
+    assert not around.seen_curves(SETTINGS.drive.speed_m_s, np.array([turn]), SETTINGS).any()
+
+
+def test_after_a_straight_way_the_floor_for_curves_is_known() -> None:
+    memory = FloorMemory(SETTINGS)
+    for x in np.arange(0.0, 1.5, 0.02):
+        memory.drive_over(Pose2D(float(x)), 0.0)
+        memory.see(Pose2D(float(x) + SETTINGS.robot.camera_m), BEARINGS, flat(np.inf), HALF)
+    around = FlowSurroundings.around(Pose2D(1.48), 0.0, memory, SETTINGS)
+    turn = SETTINGS.drive.steer_rad_s
+    assert around.seen_curves(SETTINGS.drive.speed_m_s, np.array([turn, 0.0, -turn]), SETTINGS).all()
+
+
+def test_floor_in_view_is_left_to_the_images() -> None:
+    around = remembered(flat(np.nan))
+    assert len(around.unseen) < len(around.unknown)
+    x, y = around.unseen.T
+    assert (np.abs(np.arctan2(y, x - SETTINGS.robot.camera_m)) > BEARINGS.max()).all()
+
+
 def test_a_curve_into_an_obstacle_is_not_free_and_the_other_one_is() -> None:
     depths = flat(np.inf)
     depths[:6] = 0.8  # on the left
@@ -108,6 +137,17 @@ def test_the_hull_cannot_turn_where_its_rear_would_strike() -> None:
     around = FlowSurroundings.around(HERE, 0.0, memory, SETTINGS)
     assert not around.can_turn(-1.0, SETTINGS)
     assert around.can_back(0.2, SETTINGS)
+
+
+def test_the_hull_turns_on_floor_that_was_seen_and_not_where_its_rear_would_leave_it() -> None:
+    memory = FloorMemory(SETTINGS)
+    memory.drive_over(HERE, 0.0)  # nothing else is known
+    around = FlowSurroundings.around(HERE, 0.0, memory, SETTINGS)
+    assert not around.can_turn(1.0, SETTINGS)
+    assert around.can_turn(1.0, SETTINGS, is_seen=False)
+    for x, y in ((-0.1, 0.0), (0.1, 0.0), (0.0, -0.1), (0.0, 0.1)):
+        memory.begin(HERE.compose(Pose2D(x, y)))
+    assert FlowSurroundings.around(HERE, 0.0, memory, SETTINGS).can_turn(1.0, SETTINGS)
 
 
 def test_floor_that_was_visited_is_worth_less_until_it_is_old() -> None:

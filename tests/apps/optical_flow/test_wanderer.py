@@ -30,14 +30,15 @@ def test_the_same_readings_give_the_same_orders() -> None:
     assert one.orders == other.orders
 
 
-def test_before_the_first_image_it_stands_and_then_begins_slowly() -> None:
+def test_before_the_first_image_it_stands_and_then_drives_slowly_until_it_has_seen_the_floor_beside_it() -> None:
     robot = ToyRobot()
     robot.has_images = False
     assert robot.run(1.0).twist.linear == 0.0
     assert robot.orders[-1].reason == "no image has come yet; the robot stands"
     robot.has_images = True
     assert robot.step().twist.linear == SETTINGS.drive.slow_m_s
-    assert robot.run(2.0).twist.linear == SETTINGS.drive.speed_m_s
+    assert robot.run(2.0).twist.linear == SETTINGS.drive.slow_m_s
+    assert robot.run(5.0).twist.linear == SETTINGS.drive.speed_m_s
 
 
 def test_when_images_stop_it_stops_in_time_and_goes_on_when_they_return() -> None:

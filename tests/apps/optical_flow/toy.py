@@ -75,7 +75,7 @@ class ToyRobot:
         if self.is_frozen or self.is_blank:
             return columns(self.time, np.nan, 0.0)
         if self.twist.linear < 0.01:
-            return columns(self.time, np.nan, 30.0 if self.twist.angular else 0.0)
+            return columns(self.time, np.nan, 30.0 if self.twist.angular or self.twist.linear else 0.0)
         rates = np.array([self.twist.linear / self._depth(float(bearing)) for bearing in BEARINGS])
         return columns(self.time, rates)
 
