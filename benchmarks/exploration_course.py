@@ -13,9 +13,9 @@ from agents.components.mapping.settings import MappingAgentSettings
 from agents.platform.virtual_time import VirtualTimeLoop
 from bus import Sample, keys
 from geometry import Pose2D
-from maps.building.common_frame import CommonFrame
 from maps.building.exploring import Explorer, ExploringOrder, MissionStanding, RobotSight
 from maps.building.frontiers import ways_from
+from maps.building.merging import CommonFrame
 from maps.building_map import BuildingMap
 from maps.occupancy import OccupancyGrid
 from p2os_emu.world import WorldSpec

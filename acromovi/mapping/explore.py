@@ -11,8 +11,8 @@ from bus import keys
 from bus.bus import Bus
 from bus.errors import BusError
 from geometry import Point
-from maps.building.common_frame import CommonFrame
 from maps.building.exploring import Explorer, ExploringOrder, MissionStanding, RobotSight
+from maps.building.merging import CommonFrame
 
 if TYPE_CHECKING:
     from agents.platform import Agent, AgentName

@@ -4,6 +4,8 @@ All turns are tried, each with all shifts at once by a Fourier transform; the be
 judged by what agrees and by what contradicts: walls of one map where the other has seen free floor.
 """
 
+from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -30,6 +32,8 @@ MOST_AGAINST = 0.08
 """Share of walls of one map that may lie where the other has seen free floor."""
 ROOM = 0.15
 """m from walls, from where on floor that was seen to be free contradicts a wall."""
+PERIOD = 15.0
+"""s between two attempts to place the maps of robots that explore."""
 UNIQUE = 0.9
 """Score of the next best place, as a share of the best one's, from which on it is not known which is right."""
 
@@ -110,6 +114,35 @@ class _Judge:
             _on_free(self._grids[1].values_at(moved(self._ours, back)), len(self._ours)),
         )
         return Placement(pose, float(near.mean()), against)
+
+
+class CommonFrame:
+    """Places maps of robots in the frame of one of them.
+
+    poses: of the maps that have been placed, by robot.
+    """
+
+    def __init__(self, first: str) -> None:
+        """Begin with the map of one robot."""
+        self.poses: dict[str, Pose2D] = {first: Pose2D()}
+        self._first = first
+        self._looked_at = float("-inf")
+
+    def look(self, now: float, grids: Mapping[str, OccupancyGrid]) -> None:
+        """Try to place maps that have not been placed, if the last attempt is long enough ago.
+
+        Args:
+            now: s, of any clock.
+            grids: Of the robots that have one, that of the first among them.
+        """
+        others = [robot for robot in grids if robot not in self.poses]
+        if not others or now - self._looked_at < PERIOD:
+            return
+        self._looked_at = now
+        base = BuildingMap(grid=grids[self._first])
+        for robot in others:
+            with suppress(NoOverlap):  # not yet; it is tried again after the next period
+                self.poses[robot] = placed(base, BuildingMap(grid=grids[robot])).pose
 
 
 def _on_free(values: NDArray[np.int8], count: int) -> float:

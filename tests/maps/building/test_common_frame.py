@@ -3,7 +3,7 @@
 from math import hypot
 
 from geometry import Pose2D
-from maps.building.common_frame import PERIOD, CommonFrame
+from maps.building.merging import PERIOD, CommonFrame
 from maps.building.surfaces import map_at
 from maps.occupancy import OccupancyGrid
 from tests.maps.building.test_merging import NORTH, SOUTH, part
