@@ -4,7 +4,7 @@ The grid, its costs, the search and the outline of a robot are those of the indo
 """
 
 from collections import deque
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from math import atan2, cos, dist, hypot, pi, sin, sqrt
 
@@ -45,6 +45,15 @@ _SEEN = 8  # evidence for an obstacle that is seen
 
 
 @dataclass(frozen=True, slots=True)
+class _Echo:
+    """The last echo of a sonar disc: when, s, where in odom, and whether the one before came from near."""
+
+    time: float
+    place: Point
+    is_confirmed: bool
+
+
+@dataclass(frozen=True, slots=True)
 class Disc:
     """An obstacle that sonar does not hear: its middle in odom and its radius, m."""
 
@@ -63,7 +72,7 @@ class FetchFloor:
         self._costs = CostParameters(floor.comfort_m, 4.0, 0.05, 20.0, 1.3, 2.0, 15.0, 10.0, 3.0, 10.0)
         # Ways are planned for the width of the hull, so the hull and not a circle about it is kept free on them.
         self._hull = Outline(settings.robot.radius_m, settings.robot.radius_m, 2.0 * settings.robot.half_width_m)
-        self._echoes: dict[Pose2D, tuple[float, Point]] = {}  # the last of each disc: when, and where in odom
+        self._echoes: dict[Pose2D, _Echo] = {}  # by disc
         self._is_turning = False
         self._barred: deque[Disc] = deque(maxlen=_BARS)
 
@@ -91,8 +100,9 @@ class FetchFloor:
             for disc, place in echoes.items()
             if not any(_is_echo_of(each, robot.compose(disc), lengths[disc]) for each in ignored)
         }
-        places = [disc for disc, place in echoes.items() if self._confirms(now, disc, place)]
-        self._echoes.update({disc: (now, place) for disc, place in echoes.items()})
+        heard = {disc: _Echo(now, place, self._confirms(now, disc, place)) for disc, place in echoes.items()}
+        self._echoes.update(heard)
+        places = [disc for disc, echo in heard.items() if echo.is_confirmed]
         if not places:
             return
         rays = Rays.of_sonar(
@@ -124,17 +134,13 @@ class FetchFloor:
     def _confirms(self, now: float, disc: Pose2D, place: Point) -> bool:
         """Return whether the disc's echo before came from near; a single echo may be that of another disc's sound."""
         before = self._echoes.get(disc)
-        return before is not None and now - before[0] < _ECHO_FOR and dist(before[1], place) < _SAME_ECHO
+        return before is not None and now - before.time < _ECHO_FOR and dist(before.place, place) < _SAME_ECHO
 
     def clear(self, x: float, y: float, radius: float) -> None:
         """Take what was heard within a radius, m, for the object that is to be gripped, and forget it."""
         if self._grid.area.evidence.size:
             self._grid.doubt(x, y, radius)
-        self._echoes = {
-            disc: (at, place)
-            for disc, (at, place) in self._echoes.items()
-            if hypot(place[0] - x, place[1] - y) > radius
-        }
+        self._echoes = {disc: echo for disc, echo in self._echoes.items() if dist(echo.place, (x, y)) > radius}
 
     def bar(self, robot: Pose2D, way: Sequence[Point]) -> None:
         """Plan no way any more through the place where a robot is stuck; until no other way is found.
@@ -248,10 +254,13 @@ class FetchFloor:
         )
 
     def echo_ahead(self, now: float, robot: Pose2D) -> float:
-        """Return how far before the hull the nearest echo in the lane is, m; infinite without one."""
+        """Return how far before the hull the nearest confirmed echo in the lane is, m; infinite without one."""
         half, front = self._settings.robot.half_width_m, self._settings.robot.front_m
-        recent = (robot.locate(*place) for at, place in self._echoes.values() if now - at < _ECHO_FOR)
+        recent = (robot.locate(*echo.place) for echo in self._recent(now) if echo.is_confirmed)
         return min((x - front for x, y in recent if x > 0.0 and abs(y) < half), default=np.inf)
+
+    def _recent(self, now: float) -> Iterator[_Echo]:
+        return (echo for echo in self._echoes.values() if now - echo.time < _ECHO_FOR)
 
     def _wanted(self, robot: Pose2D, way: Sequence[Point]) -> Twist2D:
         drive, goal = self._settings.drive, way[-1]
@@ -266,7 +275,7 @@ class FetchFloor:
 
     def _obstacles(self, now: float, robot: Pose2D, discs: Sequence[Disc]) -> list[tuple[float, float]]:
         """Return obstacles near the robot in base_link, m."""
-        places = [place for at, place in self._echoes.values() if now - at < _ECHO_FOR]
+        places = [echo.place for echo in self._recent(now)]
         if self._grid.area.evidence.size:
             near = self._grid.area.around((robot.x, robot.y), margin=_NEAR)
             places += [near.place(int(row), int(column)) for row, column in np.argwhere(near.occupied)]
