@@ -1,9 +1,11 @@
 """Images for the calibration of a camera: from files, a video, a robot's camera on the bus, or a URL or device."""
 
 import re
+import time
 from collections.abc import Generator, Iterator, Sequence
 from contextlib import closing
 from glob import glob
+from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -17,6 +19,7 @@ if TYPE_CHECKING:  # it loads OpenCV
 VIDEOS = (".mp4", ".avi", ".mov", ".mkv", ".webm")
 _GLANCE = 0.2  # s of a video from one image that is looked at to the next
 _CAMERA = "camera"
+_PAUSE = 30.0  # s without an image after which a camera that gave some counts as lost
 _ROBOT = re.compile(rf"([\w-]+)(/{_CAMERA})?")
 
 
@@ -122,15 +125,21 @@ def _shots_of_video(file: Path) -> Iterator[Shot]:
 
 
 def _from_robot(source: str, bus: str) -> Iterator[bytes]:
-    from agents import Team
+    from agents import Failed, Team, TimedOut
 
     with Team(bus) as team:
         camera = team.robot(robot_of(source), having=_CAMERA).camera
-        before = None
+        before, came = None, -inf
         while True:
-            picture = camera.picture()
+            try:
+                picture = camera.picture()
+            except (Failed, TimedOut):
+                # A busy machine gives up images for a while; what was collected must not be lost by that.
+                if time.monotonic() - came > _PAUSE:
+                    raise
+                continue
             if picture.stamp != before:
-                before = picture.stamp
+                before, came = picture.stamp, time.monotonic()
                 yield picture.data
             else:
                 team.sleep(0.02)

@@ -139,9 +139,10 @@ ELSEWHERE = {
     "python -m benchmarks --peer 127.0.0.1:8101 --peer-pid 4711": "tests/benchmarks/test_compare.py",
 }
 """Commands that no test of the pages runs, and why: another test does, or nothing but people can."""
-PYTHON_ELSEWHERE = {"bus": 1, "components": 1, "emulator": 2, "recording": 1, "testing": 2, "vision": 1}
+PYTHON_ELSEWHERE = {"bus": 1, "components": 1, "emulator": 2, "recording": 1, "testing": 2, "vision": 2}
 """Programs on pages that other tests run: tests/test_readme.py, tests/agents/components/test_results_together.py,
-tests/vision/test_operations.py, tests/test_pages_on_the_emulator.py, tests/acromovi/test_recording_page.py."""
+tests/vision/test_operations.py, tests/acromovi/test_calibration_of_an_emulated_camera.py,
+tests/test_pages_on_the_emulator.py, tests/acromovi/test_recording_page.py."""
 
 
 def page(name: str) -> str:

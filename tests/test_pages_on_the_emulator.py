@@ -38,6 +38,7 @@ from tests.waiting import Deadline, wait_until
 LINES = {line for name in ("clients", "emulator") for line in to_run(name, "p2os-emu")}
 OPTIONS = re.findall(r"^\|[^|]*\| `(--robot [^`]*)` \|$", page("emulator"), re.MULTILINE)
 TOML_OF_AGENTS = {"services", "wrappers"}  # tests/agents/services/test_page.py, tests/agents/wrappers/test_page.py
+TOML_OF_CAMERAS = {"vision"}  # tests/acromovi/test_calibration_of_an_emulated_camera.py
 # tests/apps, tests/acromovi/navigation
 OF_APPLICATIONS = {"docking", "fetch", "following", "formation", "navigation", "optical-flow", "surveillance"}
 NUMBERED_SOUND = '{"number": 3}'
@@ -193,7 +194,7 @@ def test_every_command_and_file_of_the_pages_is_run_or_read_somewhere() -> None:
         "gateway",
         "teams",
         "worlds",
-    } | TOML_OF_AGENTS | OF_APPLICATIONS
+    } | TOML_OF_AGENTS | TOML_OF_CAMERAS | OF_APPLICATIONS
     assert len(OPTIONS) > 12
     for name in PAGES:
         for text in files(name, "toml"):

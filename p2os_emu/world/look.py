@@ -92,7 +92,22 @@ def furniture_look(block: Block, texture: SurfaceTexture | None = None) -> Look:
     if block.glass:
         return _pane_look(block)
     size = block.length, block.width, block.height
+    if any(block.board):
+        return ShapePart(Form.BOX, size, COLOURS["white"]), *_board_look(block)
     return (ShapePart(Form.BOX, size, COLOURS[block.colour], texture=texture),)
+
+
+def _board_look(block: Block) -> Look:
+    """The black squares of a chessboard, as sheets that go through a white board and stand out on both sides."""
+    columns, rows = block.board
+    edge = block.square
+    size = edge, block.width + 2 * SHEET, edge
+    return tuple(
+        ShapePart(Form.BOX, size, COLOURS["black"], ((column - columns / 2) * edge, 0.0, (row - rows / 2) * edge))
+        for column in range(columns + 1)
+        for row in range(rows + 1)
+        if (column + row) % 2 == 0
+    )
 
 
 def _pane_look(block: Block) -> Look:

@@ -31,6 +31,7 @@ class Block:
     colour: one of `colours.COLOURS`.
     bottom: m above the floor; the box reaches from there to `bottom` + `height`.
     glass: light passes through it, so scanners, infrared sensors and cameras miss it; sonar hears it, robots touch it.
+    board: inner corners along and up of the chessboard on its long sides, one less than squares; (0, 0) for none.
     """
 
     x: float
@@ -44,11 +45,18 @@ class Block:
     colour: str = WALL_COLOUR
     bottom: float = 0.0
     glass: bool = False
+    board: tuple[int, int] = (0, 0)
 
     @property
     def top(self) -> float:
         """Height of the upper side above the floor, m."""
         return self.bottom + self.height
+
+    @property
+    def square(self) -> float:
+        """Edge of a square of its chessboard, m: around the board is a margin as wide as a square."""
+        columns, rows = self.board
+        return min(self.length / (columns + 3), self.height / (rows + 3))
 
     def crosses(self, height: float) -> bool:
         """Return whether part of the block is so high above the floor, m."""

@@ -72,6 +72,9 @@ def _find(name: str) -> Path:
         raise
 
 
+_FEWEST_CORNERS, _MOST_CORNERS = 3, 20  # of a chessboard, along and up
+
+
 @dataclass(frozen=True, slots=True)
 class _FurnitureEntry:
     """A box: centre, size (length, width, height) and heading of its length."""
@@ -84,6 +87,7 @@ class _FurnitureEntry:
     colour: str = _FURNITURE_COLOUR
     bottom_m: float = 0.0
     glass: bool = False
+    board: tuple[int, int] = (0, 0)
 
     def block(self) -> Block:
         """The box in SI."""
@@ -92,6 +96,13 @@ class _FurnitureEntry:
             raise ValueError("length, width and height must be above 0 m")
         if not 0.0 <= self.bottom_m < math.inf:
             raise ValueError(f"bottom_m must be 0 m or more, not {self.bottom_m}")
+        if any(self.board) and not all(_FEWEST_CORNERS <= each <= _MOST_CORNERS for each in self.board):
+            raise ValueError(
+                f"board is the number of inner corners along and up, {_FEWEST_CORNERS} to {_MOST_CORNERS} each, "
+                f"as in [9, 6]; not {list(self.board)}"
+            )
+        if any(self.board) and self.glass:
+            raise ValueError("a board is not made of glass; leave out board or glass")
         heading = math.radians(self.heading_deg)
         return Block(
             *self.at_m,
@@ -102,6 +113,7 @@ class _FurnitureEntry:
             self.colour,
             self.bottom_m,
             self.glass,
+            self.board,
         )
 
 

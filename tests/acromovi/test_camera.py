@@ -10,6 +10,7 @@ import pytest
 import agents
 import cameras
 from acromovi.__main__ import main
+from agents import Failed
 from agents.client.sensors import Picture
 from cameras import CameraLost
 from configs.team_file import read_team
@@ -122,6 +123,43 @@ class _Team:
 
     def sleep(self, seconds: float) -> None:
         assert self.asked % 2 == 0
+
+
+class _PausingTeam(_Team):
+    """Its camera gives no picture now and then, as that of an emulator on a busy machine."""
+
+    def __init__(self, bus: str) -> None:
+        super().__init__(bus)
+        self.failed = 0
+
+    def picture(self) -> Picture:
+        if self.asked % 4 == 2 and self.failed < self.asked:
+            self.failed = self.asked
+            raise Failed("camera@doc could not picture: camera@doc has heard nothing for 3.0 s")
+        return super().picture()
+
+
+class _DarkTeam(_Team):
+    """Its camera never gives a picture."""
+
+    def picture(self) -> Picture:
+        raise Failed("camera@doc could not picture: camera@doc has heard nothing for 3.0 s")
+
+
+def test_a_camera_that_pauses_loses_no_views(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(agents, "Team", _PausingTeam)
+    assert calibrate("doc", "--views", 6, "--json", "--quiet", "--bus", "local:test") == 0
+    assert json.loads(capsys.readouterr().out)["fx"] == pytest.approx(FX, rel=0.02)
+
+
+def test_a_camera_that_gives_no_picture_at_all_is_told_at_once(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(agents, "Team", _DarkTeam)
+    assert calibrate("doc", "--quiet", "--bus", "local:test") == 1
+    assert "has heard nothing" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("source", ["doc", "doc/camera"])

@@ -1,0 +1,51 @@
+"""The camera of an emulated robot is calibrated as the page of the vision agents shows: before the board of a world."""
+
+import json
+import math
+import os
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import pytest
+
+from tests.acromovi.team.running import ROOT, running
+from tests.shown import files
+from tests.waiting import end_of, wait_until
+
+WIDTH, FIELD_OF_VIEW = 320, math.radians(47.5)  # of the VC-C4 at its widest zoom
+
+# A busy emulator gives up pictures for a while, so the robot goes on looking until all views have come.
+AND_ON = "    while True:\n        look_about(bart, team, (0.37, 0.5, 0.6), 0.17)\n"
+
+
+def test_the_program_of_the_page_moves_the_robot_until_its_camera_is_calibrated(tmp_path: Path) -> None:
+    file, program = tmp_path / "board.toml", tmp_path / "look.py"
+    file.write_text(next(text for text in files("vision", "toml") if "chessboard-lab" in text))
+    shown = next(text for text in files("vision", "python") if "look_about" in text)
+    program.write_text(shown + AND_ON)
+    with running(str(file)) as team:
+        calibrate = ("-m", "acromovi", "camera", "calibrate", "bart", "--square", "0.05", "--json")
+        into = ("--into", str(file), "bart", "--bus", team.profile)
+        environment = {**os.environ, "PYTHONPATH": str(ROOT), "ACROMOVI_BUS": team.profile}
+        with (
+            subprocess.Popen([sys.executable, *calibrate, *into], stdout=subprocess.PIPE, text=True) as calibration,
+            subprocess.Popen(
+                [sys.executable, str(program)], env=environment, stderr=subprocess.PIPE, text=True
+            ) as drive,
+        ):
+            try:
+                wait_until(lambda: calibration.poll() is not None, "the camera is calibrated", 150.0)
+                assert calibration.returncode == 0, end_of(calibration)
+                assert drive.poll() in (None, 0), end_of(drive)
+                assert calibration.stdout is not None
+                told = json.loads(calibration.stdout.read())
+            finally:
+                calibration.kill()
+                drive.kill()
+    # The emulator draws without smoothing, so corners are found to a third of a pixel only.
+    assert told["fx"] == pytest.approx(WIDTH / 2.0 / math.tan(FIELD_OF_VIEW / 2.0), rel=0.02)
+    assert told["error_px"] < 0.5
+    (robot,) = tomllib.loads(file.read_text())["robots"]
+    assert robot["camera_calibration"]["width"] == WIDTH
