@@ -6,11 +6,12 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from acromovi.lockstep import Lockstep
 from bus import Sample, keys
 from bus.messages import decode, twist
-from geometry import Point, Polygon, Pose2D
+from geometry import Point, Polygon, Pose2D, polygon_edges
 from p2os_emu.world import WorldSpec
 from p2os_emu.world.free_space import FreeSpace
 from p2os_emu.world.shortest_path import path_in
@@ -21,6 +22,7 @@ LOOK = 0.1  # s between two commands
 FAST, TURNING = 0.5, 0.9  # m/s and rad/s at most
 BESIDE = 0.15  # m left beside the robot on its way
 ARRIVED = 0.08  # m from a corner of the way, from where the next one is headed for
+_DIRECTIONS, _ENCLOSED, _SIGHT = 16, 12, 15.0  # rays from a place, how many of them meet walls inside, and within m
 PATIENCE = 90.0  # s for one place
 
 
@@ -109,10 +111,31 @@ def _follow(lockstep: Lockstep, heard: Heard, corners: Sequence[Point]) -> None:
 
 
 def spread_places(world: WorldSpec, start: Point, apart: float, radius: float = 0.42) -> list[Point]:
-    """Return places of a grid that a robot can reach, for a world that names none."""
+    """Return places of a grid inside the building that a robot can reach, for a world that names none.
+
+    Maps of real buildings have gaps in their outer walls, through which a robot would drive on where nothing is seen.
+    """
     space = FreeSpace(world, radius)
     x, y, size = world.middle
     steps = np.arange(-size / 2, size / 2, apart)
     grid = [(x + dx, y + dy) for dx in steps for dy in steps]
     free = [place for place, is_free in zip(grid, space.are_free(np.array(grid)), strict=True) if is_free]
-    return [place for place in free if path_in(space, start, place) is not None]
+    edges = np.array([edge for wall in world.walls for edge in polygon_edges(wall.footprint)]).reshape(-1, 4)
+    inside = [place for place in free if _is_enclosed(place, edges)]
+    return [place for place in inside if path_in(space, start, place) is not None]
+
+
+def _is_enclosed(place: Point, edges: NDArray[np.float64]) -> bool:
+    """Return whether walls are around a place: in nearly all directions, one within sight.
+
+    edges: x1, y1, x2, y2 of each, m, shape (n, 4).
+    """
+    angles = np.linspace(0.0, 2.0 * np.pi, _DIRECTIONS, endpoint=False)[:, None]
+    x1, y1, x2, y2 = (edges - np.tile(place, 2)).T
+    c, s = np.cos(angles), np.sin(angles)
+    left, other = c * y1 - s * x1, c * y2 - s * x2  # of the ray, on which side each end is
+    with np.errstate(divide="ignore", invalid="ignore"):  # edges along the ray, which `meets` leaves out
+        part = left / (left - other)
+        ahead = c * (x1 + part * (x2 - x1)) + s * (y1 + part * (y2 - y1))
+    meets = (left * other < 0.0) & (ahead > 0.0) & (ahead < _SIGHT)
+    return int(meets.any(axis=1).sum()) >= _ENCLOSED

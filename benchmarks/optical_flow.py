@@ -21,7 +21,7 @@ from benchmarks.figures import Figure, percentile
 from benchmarks.flow_course import ROBOT, FloorCover, FlowCourse
 from benchmarks.textured_rooms import textured_room
 
-SEEDS = range(70, 90)  # seeds below 32 and 60 were looked at
+SEEDS = range(200, 220)  # seeds below 32, 60, 75, 83 and 86 were looked at
 DURATION = 600.0  # s
 TOUCHED, VISITED, CYCLE_MS = (
     1 / 20,
