@@ -19,6 +19,7 @@ if TYPE_CHECKING:  # it loads OpenCV
 VIDEOS = (".mp4", ".avi", ".mov", ".mkv", ".webm")
 _GLANCE = 0.2  # s of a video from one image that is looked at to the next
 _CAMERA = "camera"
+_AGAIN = 0.2  # s after which a camera that has failed is asked again
 _PAUSE = 30.0  # s without an image after which a camera that gave some counts as lost
 _ROBOT = re.compile(rf"([\w-]+)(/{_CAMERA})?")
 
@@ -137,6 +138,7 @@ def _from_robot(source: str, bus: str) -> Iterator[bytes]:
                 # A busy machine gives up images for a while; what was collected must not be lost by that.
                 if time.monotonic() - came > _PAUSE:
                     raise
+                team.sleep(_AGAIN)
                 continue
             if picture.stamp != before:
                 before, came = picture.stamp, time.monotonic()
