@@ -184,7 +184,7 @@ def test_the_table_describes_each_operation_for_a_form() -> None:
 
 
 def test_program_of_the_page_runs() -> None:
-    (program,) = files("vision", "python")
+    (program,) = [text for text in files("vision", "python") if "look_about" not in text]
     names: dict[str, Any] = {"jpeg": COLOUR.encode(90)}
     exec(program, names)
     assert names["result"].kind is ImageKind.BINARY
