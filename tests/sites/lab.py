@@ -6,6 +6,8 @@ from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
+from tests.waiting import wait_until
+
 ROOT = Path(__file__).resolve().parents[2]
 ADDRESSES = ("10.77.0.1", "10.77.0.2")
 CABLE = "cable"  # the network device at either end
@@ -40,9 +42,13 @@ class Site:
             finally:
                 _end(process)
 
-    def tell(self, *command: str) -> None:
-        """Run a tool there, to its end."""
-        _run([*self._enter, *command])
+    def tell(self, *command: str) -> str:
+        """Run a tool there, to its end. Return what it prints."""
+        return _run([*self._enter, *command])
+
+    def has_cable(self) -> bool:
+        """Whether programs there are told that the cable is in at both ends."""
+        return " state UP " in self.tell("ip", "link", "show", CABLE)
 
 
 @contextmanager
@@ -62,6 +68,10 @@ def two_sites() -> Iterator[tuple[Site, Site]]:
             site.tell("ip", "link", "set", "lo", "up")
             site.tell("ip", "address", "add", f"{site.address}/24", "dev", CABLE)
             site.tell("ip", "link", "set", CABLE, "up")
+        for site in sites:
+            # The kernel may take a second to say that the cable is in; a program that looks for others by multicast
+            # and starts before never does so on this device.
+            wait_until(site.has_cable, "the cable is in")
         yield sites
 
 
@@ -84,13 +94,14 @@ def _sleeper(enter: Sequence[str]) -> Iterator["subprocess.Popen[bytes]"]:
             process.kill()
 
 
-def _run(command: Sequence[str]) -> None:
+def _run(command: Sequence[str]) -> str:
     try:
         done = subprocess.run(command, capture_output=True, text=True, check=False)
     except FileNotFoundError as error:
         raise NoNamespaces(f"{command[0]} is not installed") from error
     if done.returncode:
         raise NoNamespaces(f"{' '.join(command)}: {done.stderr.strip()}")
+    return done.stdout
 
 
 def _end(process: "subprocess.Popen[str]") -> None:
