@@ -50,11 +50,10 @@ STOPS, STOP = (6.0, 30.0), (1.0, 4.0)  # s between two sudden stops of the leade
 def route(rng: Random, length: float) -> list[Point]:
     """Return the points of a route of some length, m, through corridor, office and laboratory, without turning back."""
     x, y = rng.uniform(*FIRST), PLACES["west"][1]
-    at, step = ("west", -1) if rng.random() < 0.5 else ("east", 1)
-    before = at
-    if (PLACES["middle"][0] - x) * step > 0.0:
-        at = "middle"
-    came = next(name for name in ("west", "east") if name != before)
+    ends = ("west", "east") if rng.random() < 0.5 else ("east", "west")
+    at, came = ends[0], "middle"
+    if (PLACES["middle"][0] - x) * (PLACES[at][0] - x) > 0.0 and abs(PLACES["middle"][0] - x) > BENDS[1]:
+        at, came = "middle", ends[1]  # which is ahead, with room for a curve before it
     corners, way = [(x, y)], 0.0
     while True:
         way += math.dist(corners[-1], PLACES[at])
@@ -62,8 +61,6 @@ def route(rng: Random, length: float) -> list[Point]:
         if way >= length:
             return _rounded(corners, rng)
         nexts = sorted(each for pair in WAYS if at in pair for each in pair if each not in (at, came))
-        if len(corners) == 2:
-            nexts = [each for each in nexts if (PLACES[each][0] - x) * step >= 0.0]
         came, at = at, rng.choice(nexts)
 
 

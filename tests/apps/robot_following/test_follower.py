@@ -10,7 +10,7 @@ import pytest
 from apps.robot_following.follower import FollowerState, SightFollower
 from apps.robot_following.leader import Sighting
 from apps.robot_following.settings import FollowingSettings
-from geometry import Point, Pose2D
+from geometry import Point, Pose2D, Twist2D
 from tests.apps.robot_following.stage import LEG, Stage
 
 SETTINGS = FollowingSettings.load()
@@ -91,6 +91,16 @@ def test_the_head_looks_first_to_the_side_to_which_the_leader_turned() -> None:
     pans = [step.pan for step in stage.steps[before:] if step.state is FollowerState.SEARCHING]
     assert min(pans) == pytest.approx(-SETTINGS.search.pan, abs=0.1)
     assert pans.index(min(pans)) < next(number for number, pan in enumerate(pans) if pan > 0.1)
+
+
+@pytest.mark.parametrize(("pan_reach", "side"), [(1.5, 1.0), (1.5, -1.0), (0.0, 1.0)])
+def test_where_the_leader_was_last_it_turns_about_all_the_way(pan_reach: float, side: float) -> None:
+    stage = Stage(pan_reach=pan_reach, hidden=lambda time: time > 6.0)
+    stage.play([(4.0, 0.3, 0.0), (2.0, 0.3, 0.3 * side), (8.0, 0.3, 0.0)])
+    stage.play([(30.0, 0.0, 0.0)])
+    turns = [step.twist.angular for step in stage.steps if step.twist == Twist2D(0.0, step.twist.angular)]
+    assert stage.state is FollowerState.SEARCHING
+    assert set(turns[-100:]) == {SETTINGS.search.turn * side}  # in 10 s it turns by 5 rad
 
 
 def test_a_long_search_ends() -> None:
