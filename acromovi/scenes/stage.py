@@ -17,7 +17,7 @@ from bus.keys import Topic
 
 PATIENCE_S = 30.0  # a gateway connects in 2 s, at a load of ten for each core in 20 s
 DRIVING_PERIOD_S = 0.1
-HELD_UP = ("the robot is not connected", "the gateway has just been frozen")
+HELD_UP = ("the robot is not connected", "the gateway has just been frozen", "the camera head has not answered yet")
 """Beginnings of what a gateway says that refuses a command because the machine keeps it from its work."""
 MOST_LOOKS = MOST_MOTIONS = 3  # times that a motion is told which a busy machine has interrupted
 THERE = 0.02  # rad that a head may be off when it has got there

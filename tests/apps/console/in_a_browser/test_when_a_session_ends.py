@@ -50,17 +50,20 @@ def driving_pages(
         begins = datetime.now(UTC)
         expires = begins + timedelta(seconds=lasts)
         brief = site.make("operator.brief", begins, timedelta(seconds=lasts))
-        with tab_of(browser, address, brief, "/robot/happy") as certified, tab_of(browser, address, None, "/") as known:
+        with ExitStack() as pages:
             try:
+                certified = pages.enter_context(tab_of(browser, address, brief, "/robot/happy"))
+                known = pages.enter_context(tab_of(browser, address, None, "/"))
                 known.page.get_by_label("Password of the console").fill(PASSWORD)
                 known.press("Log in")
-                known.page.locator(".c-chip").first.wait_for()
+                for tab in (known, certified):
+                    tab.page.locator(".c-chip").first.wait_for()
                 drive(team, known, robot="max")
                 drive(team, certified)
-            except Error as error:  # a page that is loaded with a certificate that has expired gets no answer
+            except Error as error:  # a page that is loaded when its certificate expires gets no answer, and stays empty
                 if datetime.now(UTC) < expires:
                     raise
-                raise PageEnded(certified.page.url) from error
+                raise PageEnded(address) from error
             yield certified, known
 
 
