@@ -152,13 +152,16 @@ def _collect(arguments: argparse.Namespace, views: "CalibrationViews") -> dict[s
     if files:
         return not_used
     until, told = time.monotonic() + arguments.timeout, ""
-    with closing(live_shots(arguments.sources[0], arguments.bus)) as shots:
+    with closing(live_shots(arguments.sources[0], arguments.bus, tell)) as shots:
         for shot in shots:
             words = _looked(shot, views, arguments.views)
             if words != told:
                 tell(words)
                 told = words
-            if not views.missing(arguments.views) or time.monotonic() > until:
+            if not views.missing(arguments.views):
+                return {}
+            if time.monotonic() > until:
+                tell(f"the {arguments.timeout:g} s are over; --timeout gives more")
                 return {}
     return {}
 

@@ -2,7 +2,7 @@
 
 import re
 import time
-from collections.abc import Generator, Iterator, Sequence
+from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import closing
 from glob import glob
 from math import inf
@@ -85,19 +85,20 @@ def shots_of_files(files: Sequence[Path]) -> Iterator[Shot]:
             raise VisionError(f"{file}: {err}") from err
 
 
-def live_shots(source: str, bus: str) -> Generator[Shot, None, None]:
+def live_shots(source: str, bus: str, tell: Callable[[str], None]) -> Generator[Shot, None, None]:
     """Yield new images of a live camera, without end.
 
     Args:
         source: ROBOT, ROBOT/camera, a URL or a device.
         bus: Profile of the bus that the robot is on.
+        tell: Called with what a person should know while no images come.
     Raises:
         RobotError: There is no such robot, it has no camera, or this gives no images.
         CameraError: The camera cannot be opened, or gives no images any more.
     """
     from vision.image import Image
 
-    for number, data in enumerate(_from_camera(source) if _is_address(source) else _from_robot(source, bus), 1):
+    for number, data in enumerate(_from_camera(source) if _is_address(source) else _from_robot(source, bus, tell), 1):
         yield Shot(f"image {number}", Image.decode(data).pixels, is_live=True)
 
 
@@ -125,23 +126,26 @@ def _shots_of_video(file: Path) -> Iterator[Shot]:
         capture.release()
 
 
-def _from_robot(source: str, bus: str) -> Iterator[bytes]:
+def _from_robot(source: str, bus: str, tell: Callable[[str], None]) -> Iterator[bytes]:
     from agents import Failed, Team, TimedOut
 
     with Team(bus) as team:
         camera = team.robot(robot_of(source), having=_CAMERA).camera
-        before, came = None, -inf
+        before, came, is_told = None, -inf, False
         while True:
             try:
                 picture = camera.picture()
-            except (Failed, TimedOut):
+            except (Failed, TimedOut) as error:
                 # A busy machine gives up images for a while; what was collected must not be lost by that.
                 if time.monotonic() - came > _PAUSE:
                     raise
+                if not is_told:
+                    tell(f"no image comes: {error}")
+                    is_told = True
                 team.sleep(_AGAIN)
                 continue
             if picture.stamp != before:
-                before, came = picture.stamp, time.monotonic()
+                before, came, is_told = picture.stamp, time.monotonic(), False
                 yield picture.data
             else:
                 team.sleep(0.02)

@@ -17,6 +17,7 @@ from tests.waiting import end_of, wait_until
 WIDTH, FIELD_OF_VIEW = 320, math.radians(47.5)  # of the VC-C4 at its widest zoom
 
 # A busy emulator gives up pictures for a while, so the robot goes on looking until all views have come.
+LONG = "3000"  # s; how long the test waits is decided below
 AND_ON = "    while True:\n        look_about(bart, team, (0.37, 0.5, 0.6), 0.17)\n"
 
 
@@ -26,7 +27,7 @@ def test_the_program_of_the_page_moves_the_robot_until_its_camera_is_calibrated(
     shown = next(text for text in files("vision", "python") if "look_about" in text)
     program.write_text(shown + AND_ON)
     with running(str(file)) as team:
-        calibrate = ("-m", "acromovi", "camera", "calibrate", "bart", "--square", "0.05", "--json")
+        calibrate = ("-m", "acromovi", "camera", "calibrate", "bart", "--square", "0.05", "--json", "--timeout", LONG)
         into = ("--into", str(file), "bart", "--bus", team.profile)
         environment = {**os.environ, "PYTHONPATH": str(ROOT), "ACROMOVI_BUS": team.profile}
         with (

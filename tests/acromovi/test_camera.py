@@ -146,12 +146,24 @@ class _DarkTeam(_Team):
         raise Failed("camera@doc could not picture: camera@doc has heard nothing for 3.0 s")
 
 
-def test_a_camera_that_pauses_loses_no_views(
+def test_a_camera_that_pauses_loses_no_views_and_its_pauses_are_told(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr(agents, "Team", _PausingTeam)
-    assert calibrate("doc", "--views", 6, "--json", "--quiet", "--bus", "local:test") == 0
-    assert json.loads(capsys.readouterr().out)["fx"] == pytest.approx(FX, rel=0.02)
+    assert calibrate("doc", "--views", 6, "--json", "--bus", "local:test") == 0
+    shown = capsys.readouterr()
+    assert json.loads(shown.out)["fx"] == pytest.approx(FX, rel=0.02)
+    assert "no image comes: camera@doc could not picture: camera@doc has heard nothing for 3.0 s\n" in shown.err
+
+
+def test_a_time_that_is_over_before_there_are_enough_views_is_told(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(cameras, "open_source", _Camera)
+    assert calibrate("http://eye/video", "--timeout", 0.001) == 1
+    told = capsys.readouterr().err
+    assert "the 0.001 s are over; --timeout gives more\n" in told
+    assert "different views of the board of 9 x 6 inner corners were found; take at least 6" in told
 
 
 def test_a_camera_that_gives_no_picture_at_all_is_told_at_once(

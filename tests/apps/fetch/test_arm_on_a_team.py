@@ -15,6 +15,7 @@ from tests.shown import files
 from tests.waiting import end_of, wait_until
 
 RUN = ("fetch", "robot=max", "place=[1.0,1.5]")
+PATIENT = "[grip]\nwait_s = 240.0\n"  # a busy emulator loses time, so the arm is slow by the clock of the application
 STILL = 0.003  # rad/s; slower, a joint stands
 MOVING = 0.1  # rad/s
 
@@ -29,7 +30,9 @@ def team(tmp_path_factory: pytest.TempPathFactory) -> Iterator[RunningTeam]:
 
 @contextmanager
 def fetching(team: RunningTeam, folder: Path) -> "Iterator[subprocess.Popen[str]]":
-    with application(team, folder, RUN, ()) as process:
+    settings = folder / "patient.toml"
+    settings.write_text(PATIENT)
+    with application(team, folder, (*RUN, f"settings={settings}"), ()) as process:
         yield process
 
 
