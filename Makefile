@@ -65,7 +65,7 @@ format: $(READY)  ## Format the code and mend what lint can mend
 
 docs: $(READY)  ## Write PROTOCOL.md from the packet tables, and docs/api.md and docs/api/ from the docstrings
 	$(BIN)/python -m acromovi.compliance > PROTOCOL.md
-	$(BIN)/python tools/api_pages.py
+	$(BIN)/python -m tools.api_pages
 
 site: $(READY)  ## Build the documentation site into build/site; warnings are errors
 	$(BIN)/python -m tools.site

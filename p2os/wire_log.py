@@ -112,7 +112,8 @@ class WireLog:
         if command is None:
             return WireLogEntry(now, FrameSource.HOST, f"command {received.number}", {}, {}, "unknown command", payload)
         if command.argument is Argument.TWO_BYTES:
-            high, low = received.value  # type: ignore[misc] # the table says that there are two
+            assert isinstance(received.value, tuple)  # the table says so
+            high, low = received.value
             return WireLogEntry(now, FrameSource.HOST, command.name, {"high": high, "low": low}, {}, "", payload)
         name = self._talk.name(payload) or command.name
         fields: dict[str, Any] = {} if received.value is None else {"value": received.value}

@@ -1,4 +1,4 @@
-"""Write the reference pages of the public API: `python tools/api_pages.py`. Standard library only.
+"""Write the reference pages of the public API: `python -m tools.api_pages`. Standard library only.
 
 The pages are made from the sources, without importing them: signature and docstring of each name that the packages in
 `PUBLIC` export, and of the public methods of each class. `make docs` calls it; a test fails when a page is out of date.
@@ -6,15 +6,13 @@ The pages are made from the sources, without importing them: signature and docst
 
 import ast
 import re
-import sys
 from collections.abc import Container, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parents[1]
-sys.path.insert(0, str(ROOT))  # when it is run as a script
+from tools.structure import Module, modules
 
-from tools.structure import Module, modules  # noqa: E402  # needs the path
+ROOT = Path(__file__).resolve().parents[1]
 
 INDEX = Path("docs/api.md")
 PAGES = Path("docs/api")

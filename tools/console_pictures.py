@@ -14,13 +14,14 @@ from pathlib import Path
 from shutil import which
 
 from PIL import Image
-from playwright.sync_api import Browser, Page, sync_playwright
+from playwright.sync_api import Browser, Page, ViewportSize, sync_playwright
 
 from tools.page_picture import FOLDER, started
 from tools.small_png import make_small
 
-SIZE, PHONE = {"width": 1280, "height": 800}, {"width": 390, "height": 800}  # px
-TALL = {"width": 1280, "height": 1080}  # px
+SIZE: ViewportSize = {"width": 1280, "height": 800}  # px
+PHONE: ViewportSize = {"width": 390, "height": 800}  # px
+TALL: ViewportSize = {"width": 1280, "height": 1080}  # px
 TRIES = 10
 GAP = 24  # px between the pictures of phones
 TEAM = """\
@@ -58,9 +59,9 @@ Act = Callable[[Page], None]
 
 
 @contextmanager
-def opened(browser: Browser, url: str, path: str, theme: str, size: dict[str, int]) -> Iterator[Page]:
+def opened(browser: Browser, url: str, path: str, theme: str, size: ViewportSize) -> Iterator[Page]:
     """Open a page in a theme."""
-    context = browser.new_context(viewport=size, device_scale_factor=1)  # type: ignore[arg-type]  # two numbers
+    context = browser.new_context(viewport=size, device_scale_factor=1)
     context.add_cookies([{"name": "acromovi-theme", "value": theme, "url": url}])
     page = context.new_page()
     page.goto(url.rstrip("/") + path)
@@ -69,7 +70,7 @@ def opened(browser: Browser, url: str, path: str, theme: str, size: dict[str, in
     context.close()
 
 
-def take(browser: Browser, url: str, path: str, theme: str, file: Path, act: Act, size: dict[str, int] = SIZE) -> None:
+def take(browser: Browser, url: str, path: str, theme: str, file: Path, act: Act, size: ViewportSize = SIZE) -> None:
     """Take one picture; act: brings the page into the state that it shows."""
     with opened(browser, url, path, theme, size) as page:
         act(page)

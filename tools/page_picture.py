@@ -13,14 +13,14 @@ from contextlib import contextmanager
 from pathlib import Path
 from shutil import which
 
-from playwright.sync_api import Page, sync_playwright
+from playwright.sync_api import Page, ViewportSize, sync_playwright
 
 from tools.small_png import make_small
 
 ROOT = Path(__file__).resolve().parents[1]
 FOLDER = ROOT / "docs" / "pictures"
 NAME = "remote-vision.png"
-SIZE = {"width": 1280, "height": 1030}  # px
+SIZE: ViewportSize = {"width": 1280, "height": 1030}  # px
 TEAM = """\
 world = "texture-lab"
 
@@ -98,7 +98,7 @@ def main(arguments: list[str]) -> None:
             sync_playwright() as playwright,
         ):
             browser = playwright.chromium.launch(executable_path=chromium, args=["--no-sandbox"])
-            page = browser.new_page(viewport=SIZE)  # type: ignore[arg-type]  # a dictionary of two numbers
+            page = browser.new_page(viewport=SIZE)
             page.goto(line.split()[4])
             _show(page)
             page.screenshot(path=folder / NAME)

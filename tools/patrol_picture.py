@@ -14,7 +14,7 @@ import uuid
 from pathlib import Path
 from shutil import which
 
-from playwright.sync_api import Page, sync_playwright
+from playwright.sync_api import Page, ViewportSize, sync_playwright
 
 from tools.console_pictures import opened, take
 from tools.page_picture import FOLDER, ROOT, started
@@ -23,7 +23,7 @@ NAME = "console-patrol.png"
 PATIENCE = 180_000.0  # ms for rooms to be divided, and for the stranger to be seen
 STRANGER = "p3dx-sh", "--name", "stranger", "--at", "3.2", "2.3"  # as the page of the surveillance adds it
 LASER, CAMERA = 'fit = ["laser"]', 'fit = ["laser", "camera:160x120@5"]'
-SIZE = {"width": 1280, "height": 1120}  # px
+SIZE: ViewportSize = {"width": 1280, "height": 1120}  # px
 
 
 def night(page: Path, folder: Path) -> tuple[Path, Path]:

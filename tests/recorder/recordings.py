@@ -1,6 +1,7 @@
 """Recordings made for tests, without a robot and without waiting."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -48,13 +49,13 @@ def sample(key: str, message: object) -> Sample:
     return heard[0]
 
 
-def drive(path: Path, seconds: float = 4.0, robot: str = "happy", **options: int) -> list[Path]:
+def drive(path: Path, seconds: float = 4.0, robot: str = "happy", **options: Any) -> list[Path]:
     """Record a drive: odometry, commands and a JSON stream at 10 Hz, a token and a description at the start.
 
     Returns:
         The files.
     """
-    writer = RecordingWriter(path, "test", **options)  # type: ignore[arg-type]  # mixed options
+    writer = RecordingWriter(path, "test", **options)
     writer.add_token(f"{robot}/alive", True, START)
     writer.add_description(f"{robot}/description", {"model": "p3dx-sh", "emulated": True}, START)
     for step in range(int(seconds * 10)):

@@ -28,12 +28,14 @@ FOLDER = Path(gateway.__file__).parent
         ('switch it on: send sonar {"on": true}', "switch it on: call sonar.power(True)"),
         ('needs pan, tilt or zoom, or {"do": "stop"}', "needs pan, tilt or zoom, or arm.stop()"),
         ('arm move needs joints, such as {"1": 0.5}', 'arm move needs joints, such as {"1": 0.5}'),
-        ("anna holds the arm; a command needs its token", "anna holds the arm; wait, or take it over with "
-         "arm.lease(priority=...)"),
+        (
+            "anna holds the arm; a command needs its token",
+            "anna holds the arm; wait, or take it over with arm.lease(priority=...)",
+        ),
         ("send arm {nonsense}", "send arm {nonsense}"),
         ("", ""),
     ],
-)  # fmt: skip
+)
 def test_advice_is_a_call(why: str, says: str) -> None:
     assert in_api_words(why, "arm") == says
 

@@ -2,6 +2,7 @@
 
 import asyncio
 import threading
+from typing import Any
 
 import pytest
 from hypothesis import given
@@ -13,15 +14,15 @@ from agents.platform.virtual_time import VirtualTimeLoop
 ANN, BOB = AgentName("ann", "lab"), AgentName("bob", "lab")
 
 
-def message(sender: AgentName = ANN, performative: Performative = Performative.INFORM, **fields: object) -> AclMessage:
-    return AclMessage(performative=performative, sender=sender, **fields)  # type: ignore[arg-type]  # fields of a test
+def message(sender: AgentName = ANN, performative: Performative = Performative.INFORM, **fields: Any) -> AclMessage:
+    return AclMessage(performative=performative, sender=sender, **fields)
 
 
 def test_messages_are_taken_in_the_order_of_their_arrival() -> None:
     box = Mailbox()
     for number in range(5):
         box.deliver(message(content=number))
-    assert [box.take().content for _ in range(5)] == list(range(5))  # type: ignore[union-attr]  # none is missing
+    assert [(taken := box.take()) and taken.content for _ in range(5)] == list(range(5))
     assert box.take() is None
 
 

@@ -1,5 +1,7 @@
 """Radio modems: dialling, the one rate they know, and ends that send in turn."""
 
+from typing import Any
+
 import configs
 from p2os_emu.links.line import EmulatedLine, LinkProfile
 from p2os_emu.links.memory import MemoryLink
@@ -27,9 +29,9 @@ def reach(
     return heard
 
 
-def quiet(**changes: object) -> LinkProfile:
+def quiet(**changes: Any) -> LinkProfile:
     """The radio modem on a day without noise."""
-    return LinkProfile("quiet", enforces_baud=True, paces=True, modem=MODEM, **changes)  # type: ignore[arg-type] # fields
+    return LinkProfile("quiet", enforces_baud=True, paces=True, modem=MODEM, **changes)
 
 
 def test_client_that_never_dials_is_heard() -> None:

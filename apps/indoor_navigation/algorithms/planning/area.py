@@ -111,7 +111,7 @@ class Area(NamedTuple):
     def window(self, rows: slice, columns: slice) -> "Area":
         """Return a part of the area that shares its memory."""
         x, y = self.x + columns.start * self.resolution, self.y + rows.start * self.resolution
-        return Area(x, y, self.resolution, *(layer[rows, columns] for layer in self[3:]))  # type: ignore[arg-type]  # the layers in their order
+        return Area._make((x, y, self.resolution, *(layer[rows, columns] for layer in self[3:])))
 
     def around(self, *places: Place, margin: float) -> "Area":
         """Return the part around these places, with a margin in m, limited to the area."""
@@ -123,8 +123,7 @@ class Area(NamedTuple):
 
     def copied(self) -> "Area":
         """Return the same area with memory of its own."""
-        layers = (np.array(layer) for layer in self[3:])
-        return Area(self.x, self.y, self.resolution, *layers)  # type: ignore[arg-type]  # the layers in their order
+        return Area._make((*self[:3], *(np.array(layer) for layer in self[3:])))
 
     def turned(self, frame: Pose2D) -> "Area":
         """Return evidence and obstacles of the known part in another frame, in which the frame of this one is there.

@@ -64,11 +64,18 @@ def test_channel_is_trained_from_a_region_of_the_newest_image_and_finds_it() -> 
         assert result["channels"] == {
             "1": [
                 {
-                    "area": 2000, "x": 89.5, "y": 54.5, "left": 70, "right": 109, "top": 30, "bottom": 79,
-                    "bearing": None, "elevation": None,
+                    "area": 2000,
+                    "x": 89.5,
+                    "y": 54.5,
+                    "left": 70,
+                    "right": 109,
+                    "top": 30,
+                    "bottom": 79,
+                    "bearing": None,
+                    "elevation": None,
                 }
             ]
-        }  # fmt: skip
+        }
         assert (await at.value("channels"))["channels"] == [{"channel": 1, "name": "red", "colours": 1}]
         assert (await at.value("test", channel=1, region=[30, 40, 5, 5], image=text(scene())))["hits"] == 1.0
 

@@ -37,8 +37,13 @@ def test_operations_are_listed_with_types_units_and_ranges() -> None:
         rows = {row["name"]: row for row in (await at.value("operations"))["operations"]}
         (sigma,) = rows["gaussian"]["parameters"]
         assert sigma == {
-            "name": "sigma", "type": "number", "default": 1.5, "low": 0.1, "high": 50.0, "unit": "px",
-        }  # fmt: skip
+            "name": "sigma",
+            "type": "number",
+            "default": 1.5,
+            "low": 0.1,
+            "high": 50.0,
+            "unit": "px",
+        }
         assert {"convolution", "median", "erosion", "otsu", "canny", "sobel", "histogram"} <= rows.keys()
 
     play(story)
@@ -49,8 +54,12 @@ def test_chain_is_applied_to_the_newest_image() -> None:
         result = (await at.asked_with(HALVES, "apply", chain=EDGES)).value()
         image = pixels_of(result)
         assert {name: result[name] for name in ("format", "kind", "width", "height", "trouble")} == {
-            "format": "png", "kind": "binary", "width": 160, "height": 120, "trouble": None,
-        }  # fmt: skip
+            "format": "png",
+            "kind": "binary",
+            "width": 160,
+            "height": 120,
+            "trouble": None,
+        }
         assert result["stamp"] == pytest.approx(1_700_000_000.0)
         assert result["age"] == pytest.approx(0.25)
         columns = np.flatnonzero(image.pixels.any(axis=0))
