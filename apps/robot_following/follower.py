@@ -71,7 +71,7 @@ class SightFollower:
         self._aim = self._side = 0.0  # rad; where the camera looks for the target, and to which side the leader turned
         self._twist = STAND
         self._speed = 0.0
-        self._about = 0.0  # where the leader was last, the side to which it turns about; 0 until it is there
+        self._turning = 0.0  # to which side it turns about where the leader was last; 0 until it is there
         self._stepped_at: float | None = None
         self.state = FollowerState.WAITING
 
@@ -126,7 +126,7 @@ class SightFollower:
         lead = self._settings.search.pan_lead
         self._aim = self._aim_at(self._track.at(now + lead).pose, integrate(pose, self._twist, lead))
         self._side = wrap_angle(leader.pose.heading - pose.heading)
-        self._about = 0.0
+        self._turning = 0.0
         self._keep_trail(pose, leader.pose)
         return self._follow(leader, pose, obstacles, elapsed, is_seen=unseen <= _SEEN)
 
@@ -153,19 +153,19 @@ class SightFollower:
         if step.state is FollowerState.GIVEN_UP:
             self._track.forget()
             return step
-        if not self._about and unseen < search.sweep_after + swing_time(search, self._pan_reach):
+        if not self._turning and unseen < search.sweep_after + swing_time(search, self._pan_reach):
             return step
         away, bearing = hypot(last.x - pose.x, last.y - pose.y), pose.bearing_to(last.x, last.y)
-        if away > drive.nearest and not self._about:
+        if away > drive.nearest and not self._turning:
             turn = max(-search.turn, min(search.turn, 2.0 * bearing))
             way = BezierCurve.between(pose, last, drive.reach)
             room = self._room(way, pose, last, obstacles, self._settings.room.margin)
             if room > 0.0:
                 speed = min(search.speed, sqrt(2.0 * drive.braking * room))
                 return FollowingStep(step.state, Twist2D(speed if abs(bearing) < drive.face else 0.0, turn), step.pan)
-        if not self._about:
-            self._about = copysign(1.0, wrap_angle(last.heading - pose.heading))
-        return FollowingStep(step.state, Twist2D(0.0, self._about * search.turn), step.pan)
+        if not self._turning:
+            self._turning = copysign(1.0, wrap_angle(last.heading - pose.heading))
+        return FollowingStep(step.state, Twist2D(0.0, self._turning * search.turn), step.pan)
 
     def _follow(
         self, leader: LeaderState, pose: Pose2D, obstacles: Sequence[Point], elapsed: float, is_seen: bool

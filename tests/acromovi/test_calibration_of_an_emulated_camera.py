@@ -16,8 +16,8 @@ from tests.waiting import end_of, wait_until
 
 WIDTH, FIELD_OF_VIEW = 320, math.radians(47.5)  # of the VC-C4 at its widest zoom
 
-# A busy emulator gives up pictures for a while, so the robot goes on looking until all views have come.
 LONG = "3000"  # s; how long the test waits is decided below
+# A busy emulator gives up pictures for a while, so the robot goes on looking until all views have come.
 AND_ON = "    while True:\n        look_about(bart, team, (0.37, 0.5, 0.6), 0.17)\n"
 
 
