@@ -132,7 +132,7 @@ class FlowGeometry:
             weights: Of the pixels, such as how much texture they have, shape (height, width).
             step: Only each so many pixels each way are used.
         """
-        expansion = self.of_expansion(focus)[::step, ::step].reshape(-1, 2)
+        expansion = self.of_expansion(focus, np.s_[::step, ::step]).reshape(-1, 2)
         length = np.linalg.norm(expansion, axis=1)
         across = np.stack((-expansion[:, 1], expansion[:, 0]), axis=1) / np.maximum(length, 1e-9)[:, None]
         system = np.einsum("nik,ni->nk", self._rotations[::step, ::step].reshape(-1, 2, 3), across)

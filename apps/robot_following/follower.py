@@ -6,16 +6,14 @@ from dataclasses import dataclass
 from enum import Enum
 from math import copysign, hypot, inf, sqrt
 
-import numpy as np
-
 from apps.robot_following.curve import BezierCurve
 from apps.robot_following.gaze import pan_to, sweep, swing_time
 from apps.robot_following.leader import LeaderState, LeaderTrack, Sighting
+from apps.robot_following.room import RoomAhead
 from apps.robot_following.settings import FollowingSettings
 from geometry import Point, Pose2D, Twist2D, integrate, wrap_angle
 
 STAND = Twist2D(0.0, 0.0)
-_SAMPLES = 13  # places of a curve that are compared with obstacles
 _SEEN = 0.4  # s without a sighting for which the leader counts as seen
 _TRAIL = 60  # poses of the leader
 
@@ -159,7 +157,7 @@ class SightFollower:
         if away > drive.nearest and not self._turning:
             turn = max(-search.turn, min(search.turn, 2.0 * bearing))
             way = BezierCurve.between(pose, last, drive.reach)
-            room = self._room(way, pose, last, obstacles, self._settings.room.margin)
+            room = RoomAhead(self._settings.room, pose, last, obstacles).along(way, self._settings.room.margin)
             if room > 0.0:
                 speed = min(search.speed, sqrt(2.0 * drive.braking * room))
                 return FollowingStep(step.state, Twist2D(speed if abs(bearing) < drive.face else 0.0, turn), step.pan)
@@ -220,17 +218,16 @@ class SightFollower:
         which had room there: the nearer its end, the less it cuts the corners. Where no curve has the usual margin, as
         in doors, the tight one is enough.
         """
-        room = self._settings.room
-        for margin in (room.margin, room.tight):
+        ahead = RoomAhead(self._settings.room, pose, leader, obstacles)
+        for margin in (self._settings.room.margin, self._settings.room.tight):
             best = None
             rest, after = 0.0, leader
             for goal in (leader, *reversed(self._trail)):
                 rest, after = rest + hypot(after.x - goal.x, after.y - goal.y), goal
-                ahead = goal.relative_to(pose)
-                if goal is not leader and ahead.x < self._settings.drive.least_aim:
+                if goal is not leader and goal.relative_to(pose).x < self._settings.drive.least_aim:
                     break
                 curve = BezierCurve.between(pose, goal, self._settings.drive.reach)
-                free = self._room(curve, pose, leader, obstacles, margin)
+                free = ahead.along(curve, margin)
                 if free == inf:
                     return curve, free, rest
                 if best is None or free > best[1]:
@@ -245,32 +242,3 @@ class SightFollower:
             self._trail.append(leader)
         while len(self._trail) > 1 and self._trail[0].relative_to(pose).x < 0.0:
             self._trail.popleft()
-
-    def _room(
-        self, curve: BezierCurve, pose: Pose2D, leader: Pose2D, obstacles: Sequence[Point], margin: float
-    ) -> float:
-        """Return the way free along a curve, m; inf if there is no obstacle in its strip but the leader."""
-        room = self._settings.room
-        if not len(obstacles):
-            return inf
-        seen = np.asarray(obstacles, np.float64)
-        there = leader.relative_to(pose)
-        seen = seen[np.hypot(seen[:, 0] - there.x, seen[:, 1] - there.y) > room.leader_radius]
-        along = np.linspace(0.0, 1.0, _SAMPLES)
-        places = np.array([pose.locate(x, y) for x, y in curve.at(along).tolist()])
-        last = places[-1] + (places[-1] - places[-2]) * (room.front + margin) / max(
-            1e-6, float(np.hypot(*(places[-1] - places[-2])))
-        )
-        places = np.vstack([places, last])
-        lengths = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(places, axis=0).T))])
-        starts, steps = places[:-1], np.diff(places, axis=0)
-        off = seen[:, None] - starts
-        part = np.clip((off * steps).sum(axis=2) / np.maximum((steps**2).sum(axis=1), 1e-12), 0.0, 1.0)
-        beside = np.hypot(*np.moveaxis(off - part[:, :, None] * steps, 2, 0))
-        nearest = beside.argmin(axis=1)
-        rows = np.arange(len(seen))
-        is_in = (beside[rows, nearest] < room.half_width + margin) & (seen[:, 0] > 0.0)
-        if not is_in.any():
-            return inf
-        ways = lengths[nearest] + part[rows, nearest] * np.diff(lengths)[nearest]
-        return float(ways[is_in].min()) - room.front - margin
