@@ -166,10 +166,11 @@ class _Line:
 
     async def _leave(self) -> None:
         self._server.close()
-        left = asyncio.all_tasks() - {asyncio.current_task()}
-        for task in left:
-            task.cancel()
-        await asyncio.gather(*left, return_exceptions=True)  # each ends as cancelled
+        # A connection that has just been accepted begins its task after the others have been cancelled.
+        while left := asyncio.all_tasks() - {asyncio.current_task()}:
+            for task in left:
+                task.cancel()
+            await asyncio.gather(*left, return_exceptions=True)  # each ends as cancelled
 
     async def _join(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         there, back = await asyncio.open_connection("127.0.0.1", self._target)
@@ -180,12 +181,15 @@ class _Line:
     async def _carry(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         """Carry one direction: every chunk arrives later, in order."""
         clear = 0.0  # when the latest segment arrives, s of the loop's time
-        while data := await reader.read(1 << 16):
-            count = -(-len(data) // SEGMENT)
-            for number in range(count):
-                clear = max(clear, self._loop.time() + DELAY + self._retransmission(count - number - 1))
-                segment = data[number * SEGMENT : (number + 1) * SEGMENT]
-                self._loop.call_at(clear, _write, writer, segment)
+        with suppress(
+            ConnectionResetError
+        ):  # a browser that is killed resets its connections, which ends them likewise
+            while data := await reader.read(1 << 16):
+                count = -(-len(data) // SEGMENT)
+                for number in range(count):
+                    clear = max(clear, self._loop.time() + DELAY + self._retransmission(count - number - 1))
+                    segment = data[number * SEGMENT : (number + 1) * SEGMENT]
+                    self._loop.call_at(clear, _write, writer, segment)
         self._loop.call_at(max(clear, self._loop.time() + DELAY), writer.close)
 
     def _retransmission(self, followers: int) -> float:
