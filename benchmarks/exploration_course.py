@@ -149,10 +149,12 @@ class _Member:
 
     def send(self, order: ExploringOrder) -> None:
         self.missions += order.goal is not None
-        goal = None
+        goal = heading = None
         if order.goal is not None:
-            goal = self.robot.start.transform(*Pose2D(*self.work.progress()["odom"]).locate(*order.goal))
-        self.robot.tell(goal, mission=f"frontier {self.missions}")
+            odom = Pose2D(*self.work.progress()["odom"])
+            goal = self.robot.start.transform(*odom.locate(*order.goal))
+            heading = None if order.heading is None else order.heading - odom.heading + self.robot.start.heading
+        self.robot.tell(goal, mission=f"frontier {self.missions}", heading=heading)
 
     def finished_frame(self) -> Pose2D:
         """Optimise the map, and return where its frame is in the world."""

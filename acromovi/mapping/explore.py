@@ -10,7 +10,7 @@ from agents.platform.errors import AgentError, RequestNotDone
 from bus import keys
 from bus.bus import Bus
 from bus.errors import BusError
-from geometry import Point
+from geometry import Point, wrap_angle
 from maps.building.exploring import Explorer, ExploringOrder, MissionStanding, RobotSight
 from maps.building.merging import CommonFrame
 
@@ -110,10 +110,14 @@ class ExploringTeam:
             self._missions.pop(robot, None)
             await self._agent.request(interface, "cancel", reply_within=REPLY)
             return
-        x, y = self._grids.odometry[robot].locate(*order.goal)
+        odometry = self._grids.odometry[robot]
+        x, y = odometry.locate(*order.goal)
+        heading = None if order.heading is None else wrap_angle(order.heading - odometry.heading)
         # Before the reply: if the program is to end now, this mission is cancelled as well.
         self._missions[robot] = "", asyncio.get_running_loop().time()
-        outcome = await self._agent.request(interface, "go", reply_within=REPLY, x=x, y=y, tolerance=TOLERANCE)
+        outcome = await self._agent.request(
+            interface, "go", reply_within=REPLY, x=x, y=y, heading=heading, tolerance=TOLERANCE
+        )
         name = outcome.result["mission"] if outcome.is_done else ""
         self._missions[robot] = name, asyncio.get_running_loop().time()
 

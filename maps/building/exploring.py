@@ -3,7 +3,7 @@
 It decides only. Driving is the indoor navigation's: it is asked to go to a place, and says how that ended.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from math import dist
@@ -23,8 +23,10 @@ SAME = 0.7
 """m between two frontiers that are the same one."""
 TAKEN = 2.5
 """m from the goal of another robot within which a frontier is that robot's."""
-MOST_FAILURES = 2
-"""Missions to a frontier that fail before it is given up."""
+MOST_MISSIONS = 2
+"""Missions to a frontier that fail, or from which it is not seen, before it is given up."""
+MOST_FAILURES = 3
+"""Missions to a frontier that fail before it is given up where no other one is left; who barred a door may be gone."""
 SHARED_BONUS = 4.0
 """m that a frontier nearer to another robot counts as farther away."""
 LATE = 90.0
@@ -51,19 +53,39 @@ class RobotSight:
 
 @dataclass(frozen=True, slots=True)
 class ExploringOrder:
-    """What a robot is to do: go to a place of its own map, m; or cancel what it does, without a place."""
+    """What a robot is to do: go to a place of its own map, m; or cancel what it does, without a place.
+
+    heading: At the place, rad in the map; None for any.
+    """
 
     goal: Point | None
+    heading: float | None = None
 
 
 @dataclass(slots=True)
 class _Member:
-    """What is remembered of one robot. frontier, goal: which it was sent to; m in its own map."""
+    """What is remembered of one robot.
+
+    frontier: which it was sent to. looked_at, failures: middles of frontiers that were still there when it had reached
+    them, and to which a mission failed; m in its own map.
+    """
 
     frontier: Frontier | None = None
     began: float = 0.0
+    looked_at: list[Point] = field(default_factory=list)
     failures: list[Point] = field(default_factory=list)
     is_finished: bool = False
+
+    def left(self, found: Sequence[Frontier]) -> list[Frontier]:
+        """Return those of the frontiers of the present map that are worth a mission."""
+        failed = [self._count(self.failures, each) for each in found]
+        seen = [self._count(self.looked_at, each) for each in found]
+        fresh = [each for each, a, b in zip(found, failed, seen, strict=True) if a + b < MOST_MISSIONS]
+        return fresh or [each for each, a, b in zip(found, failed, seen, strict=True) if not b and a < MOST_FAILURES]
+
+    @staticmethod
+    def _count(places: Sequence[Point], frontier: Frontier) -> int:
+        return sum(dist(frontier.middle, place) < SAME for place in places)
 
 
 class Explorer:
@@ -103,8 +125,7 @@ class Explorer:
             member = self._members.setdefault(name, _Member())
             was_active = member.frontier is not None and sight.mission is MissionStanding.ACTIVE
             self._look(now, member, sight)
-            left = frontiers(teams[name].grid(), (sight.pose.x, sight.pose.y), self._radius)
-            left = [each for each in left if self._may(member, each)]
+            left = member.left(frontiers(teams[name].grid(), (sight.pose.x, sight.pose.y), self._radius))
             member.is_finished = not left
             if member.frontier is not None and any(_same(each, member.frontier) for each in left):
                 continue  # it drives there, and there is still something to see
@@ -116,20 +137,16 @@ class Explorer:
             member = self._members[name]
             if member.frontier is None and not self._is_taken(teams[name], frontier):
                 member.frontier, member.began = frontier, now
-                orders[name] = ExploringOrder(frontier.goal)
+                orders[name] = ExploringOrder(frontier.goal, frontier.facing)
         return orders
 
     def _look(self, now: float, member: _Member, sight: RobotSight) -> None:
-        """Forget a frontier to which the mission has ended; note that it has not helped, if it has not."""
-        if member.frontier is None:
-            return
+        """Forget a frontier to which the mission has ended, and note how it ended; it may be none any more."""
         is_late = now - member.began > LATE
-        if sight.mission is not MissionStanding.ACTIVE or is_late:
-            member.failures.append(member.frontier.middle)  # if it is still one after it was reached, looking is no use
+        if member.frontier is not None and (is_late or sight.mission is not MissionStanding.ACTIVE):
+            is_reached = sight.mission is MissionStanding.DONE
+            (member.looked_at if is_reached else member.failures).append(member.frontier.middle)
             member.frontier = None
-
-    def _may(self, member: _Member, frontier: Frontier) -> bool:
-        return sum(dist(frontier.middle, failed) < SAME for failed in member.failures) < MOST_FAILURES
 
     def _is_taken(self, team: "_Team", frontier: Frontier) -> bool:
         """Whether another robot drives to about there."""

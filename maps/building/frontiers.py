@@ -4,6 +4,7 @@ Source: B. Yamauchi, A frontier-based approach for autonomous exploration, CIRA 
 """
 
 from dataclasses import dataclass
+from math import atan2
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,12 +38,13 @@ AT_START = 0.6
 class Frontier:
     """A border of the known floor.
 
-    middle: m, a point of it. goal: m, from where a robot looks over it. length: m. way: m to the goal.
-    is_door: whether walls end it on both sides, a door's width apart.
+    middle: m, a point of it. goal: m, from where a robot looks over it. facing: rad, to the unknown floor. length: m.
+    way: m to the goal. is_door: whether walls end it on both sides, a door's width apart.
     """
 
     middle: Point
     goal: Point
+    facing: float
     length: float
     way: float
     is_door: bool
@@ -73,7 +75,7 @@ def frontiers(grid: OccupancyGrid, robot: Point, radius: float) -> list[Frontier
     found = []
     for cells in _clusters(looked_at):
         for part in _parts(cells, LONGEST / resolution):
-            frontier = _frontier(grid, part, ways, solid)
+            frontier = _frontier(grid, part, ways, solid, unknown)
             if frontier is not None:
                 found.append(frontier)
     return sorted(found, key=lambda each: -each.length)
@@ -108,7 +110,9 @@ def ways_from(passable: Mask, start: tuple[int, int], resolution: float) -> Floa
     return ways
 
 
-def _frontier(grid: OccupancyGrid, cells: NDArray[np.int64], ways: Floats, solid: Mask) -> Frontier | None:
+def _frontier(
+    grid: OccupancyGrid, cells: NDArray[np.int64], ways: Floats, solid: Mask, unknown: Mask
+) -> Frontier | None:
     """What a cluster of border cells (row, column) is; None where it is too short or cannot be reached."""
     resolution = grid.resolution
     extent = cells.max(axis=0) - cells.min(axis=0) + 1
@@ -130,10 +134,18 @@ def _frontier(grid: OccupancyGrid, cells: NDArray[np.int64], ways: Floats, solid
     return Frontier(
         _middle(grid, int(middle[0]), int(middle[1])),
         _middle(grid, int(goal[0]), int(goal[1])),
+        grid.origin.heading + _direction(unknown, middle, reach),
         length,
         float(ways[goal]),
         is_door,
     )
+
+
+def _direction(unknown: Mask, middle: NDArray[np.int64], reach: int) -> float:
+    """Return the direction from a cell to the unknown cells around it, rad from the columns to the rows."""
+    low = np.maximum(middle - reach, 0)
+    rows, columns = np.nonzero(unknown[low[0] : middle[0] + reach + 1, low[1] : middle[1] + reach + 1])
+    return atan2(float(rows.mean() + low[0] - middle[0]), float(columns.mean() + low[1] - middle[1]))
 
 
 def _ends_at_walls(cells: NDArray[np.int64], solid: Mask) -> bool:

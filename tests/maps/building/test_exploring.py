@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, field
 from functools import cache
-from math import atan2, dist
+from math import atan2, dist, inf, pi
 
 import numpy as np
 import pytest
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from geometry import Point, Pose2D
 from maps.building.building import grid_of_evidence
 from maps.building.evidence import EvidenceGatherer
-from maps.building.exploring import Explorer, ExploringOrder, MissionStanding, RobotSight
+from maps.building.exploring import MOST_MISSIONS, Explorer, ExploringOrder, MissionStanding, RobotSight
 from maps.building.frontiers import frontiers, ways_from
 from maps.building.readings import BeamView, Floats
 from maps.distance import distance_transform
@@ -60,6 +60,8 @@ class DrawnRobot:
     mission: MissionStanding = MissionStanding.NONE
     driven: float = 0.0
     cannot: Point | None = None  # in the rooms; missions to about there fail
+    within: float = 1.0  # m from there
+    bars: float = inf  # how many of them
 
     def __post_init__(self) -> None:
         self._gatherer = EvidenceGatherer(RESOLUTION)
@@ -87,7 +89,8 @@ class DrawnRobot:
         """A step on the way through the true rooms."""
         if self.goal is None or self.mission is not MissionStanding.ACTIVE:
             return
-        if self.cannot is not None and dist(self.goal, self.cannot) < 1.0:
+        if self.cannot is not None and dist(self.goal, self.cannot) < self.within and self.bars:
+            self.bars -= 1
             self.mission = MissionStanding.FAILED
             return
         left = ways_to(self.goal)
@@ -161,6 +164,33 @@ def test_a_frontier_that_cannot_be_reached_is_given_up() -> None:
     explore({"happy": robot})
 
 
+def test_what_could_not_be_reached_is_tried_again_when_nothing_else_is_left() -> None:
+    robot = DrawnRobot(Pose2D(1.5, 1.5, 0.0), within=inf)
+    robot.cannot, robot.bars = (0.0, 0.0), MOST_MISSIONS * len(frontiers(robot.sight().grid, (1.5, 1.5), RADIUS))
+    explore({"happy": robot})
+    assert robot.bars == 0
+    assert all(known(robot, *ROOMS))
+
+
+def test_a_robot_that_can_go_nowhere_ends() -> None:
+    explore({"happy": DrawnRobot(Pose2D(1.5, 1.5, 0.0), cannot=(0.0, 0.0), within=inf)})
+
+
+def test_a_robot_is_told_to_face_what_it_is_to_see() -> None:
+    robot = DrawnRobot(Pose2D(1.5, 1.5, 0.0), Pose2D(1.5, 1.5, 0.3))
+    sight = robot.sight()
+    order = Explorer(RADIUS).decide(0.0, {"happy": sight})["happy"]
+    assert order.goal is not None
+    assert order.heading is not None
+    ahead = Pose2D(*order.goal, order.heading)
+    places = [(x, y) for x in (-0.6, 0.6) for y in (-0.2, 0.0, 0.2)]
+    before, behind = (
+        sight.grid.values_at(np.array([ahead.transform(x, y) for x, y in places if (x > 0.0) is is_ahead]))
+        for is_ahead in (True, False)
+    )
+    assert (before < 0).sum() > (behind < 0).sum()
+
+
 def test_a_robot_that_is_late_is_sent_elsewhere() -> None:
     robot, explorer = DrawnRobot(Pose2D(1.5, 1.5, 0.0)), Explorer(RADIUS)
     robot.follow(explorer.decide(0.0, {"happy": robot.sight()})["happy"])
@@ -182,6 +212,7 @@ def test_the_opening_of_a_door_is_told_from_other_frontiers() -> None:
     doors = [each for each in found if each.is_door]
     assert [each.is_door for each in found].count(False) == 1
     assert doors[0].middle == pytest.approx((2.45, 3.05), abs=0.3)
+    assert doors[0].facing == pytest.approx(pi / 2.0, abs=0.3)
 
 
 def test_ways_are_as_long_as_they_are_in_any_direction() -> None:
