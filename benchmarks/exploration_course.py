@@ -100,15 +100,17 @@ class _ExploringTeam:
     def result(self, world: WorldSpec) -> Explored:
         """Return how it went."""
         members = list(self._members.values())
-        frames = [member.finished_frame() for member in members]
-        grids = [member.work.grid() for member in members]
+        for member in members:
+            member.work.refine()
+        # A map begins in the frame of the odometry, which begins where the robot first stood.
+        grids = [(member.work.grid(), member.robot.start) for member in members]
         return Explored(
             len(members),
             self._explorer.is_finished,
             self._seconds,
             sum(member.work.progress()["driven"] for member in members),
             sum(member.missions for member in members),
-            _seen(world, members[0].robot.start, list(zip(grids, frames, strict=True))),
+            _seen(world, members[0].robot.start, grids),
             tuple(self._touched),
             members[0].work.map(),
             tuple(members[0].way),
@@ -155,12 +157,6 @@ class _Member:
             goal = self.robot.start.transform(*odom.locate(*order.goal))
             heading = None if order.heading is None else order.heading - odom.heading + self.robot.start.heading
         self.robot.tell(goal, mission=f"frontier {self.missions}", heading=heading)
-
-    def finished_frame(self) -> Pose2D:
-        """Optimise the map, and return where its frame is in the world."""
-        frame = self.robot.pose.compose(Pose2D().relative_to(Pose2D(*self.work.progress()["pose"])))
-        self.work.refine()
-        return frame
 
     def _standing(self) -> MissionStanding:
         if not self.missions:
