@@ -117,7 +117,7 @@ class FlowGeometry:
             chosen: Index of the rows and columns of the result; all by default.
         """
         away, per_slope = self.slopes[chosen] - np.array(focus), self._per_slope[chosen]
-        # Written out, since NumPy multiplies many small matrices slowly.
+        # Written out here and below, since NumPy multiplies many small matrices slowly.
         flow: Floats = per_slope[..., 0] * away[..., :1] + per_slope[..., 1] * away[..., 1:]
         return flow
 
@@ -151,8 +151,8 @@ class FlowGeometry:
 
         It is the point nearest to the lines along the flow of all pixels.
         """
-        moved = self._slope_per[::step, ::step] @ flow[::step, ::step, :, None]
-        along = moved[..., 0].reshape(-1, 2)
+        slope_per, part = self._slope_per[::step, ::step], flow[::step, ::step]
+        along = (slope_per[..., 0] * part[..., :1] + slope_per[..., 1] * part[..., 1:]).reshape(-1, 2)
         length = np.linalg.norm(flow[::step, ::step].reshape(-1, 2), axis=1)
         across = np.stack((-along[:, 1], along[:, 0]), axis=1)
         across /= np.maximum(np.linalg.norm(across, axis=1, keepdims=True), 1e-12)

@@ -119,9 +119,10 @@ class FlowSurroundings:
         front = np.where(times < times[-1], robot.front_m, robot.front_m + before)[None, :, None]
         struck = (ahead > -robot.rear_m) & (ahead < front) & (np.abs(aside) < robot.width_m / 2.0 + side)
         # What is within the margin already must not hold the robot: it only must not come nearer.
-        now, gap = _beside(near, side, settings), _gap(near[:, 0], near[:, 1], settings)
+        now = np.flatnonzero(_beside(near, side, settings))
+        gap = _gap(near[now, 0], near[now, 1], settings)
         least = np.minimum(gap, np.maximum(gap - _NEARER, _LEAST))
-        struck &= ~now[None, None, :] | (_gap(ahead, aside, settings) < least - _ROUNDING)
+        struck[..., now] &= _gap(ahead[..., now], aside[..., now], settings) < least - _ROUNDING
         return np.asarray(~struck.any(axis=(1, 2)))
 
     def can_turn(self, angle: float, settings: FlowSettings, *, is_seen: bool = True) -> bool:
