@@ -78,14 +78,9 @@ class _Member:
 
     def left(self, found: Sequence[Frontier]) -> list[Frontier]:
         """Return those of the frontiers of the present map that are worth a mission."""
-        failed = [self._count(self.failures, each) for each in found]
-        seen = [self._count(self.looked_at, each) for each in found]
-        fresh = [each for each, a, b in zip(found, failed, seen, strict=True) if a + b < MOST_MISSIONS]
-        return fresh or [each for each, a, b in zip(found, failed, seen, strict=True) if not b and a < MOST_FAILURES]
-
-    @staticmethod
-    def _count(places: Sequence[Point], frontier: Frontier) -> int:
-        return sum(dist(frontier.middle, place) < SAME for place in places)
+        tried = [(each, _times(self.failures, each), _times(self.looked_at, each)) for each in found]
+        fresh = [each for each, failed, seen in tried if failed + seen < MOST_MISSIONS]
+        return fresh or [each for each, failed, seen in tried if not seen and failed < MOST_FAILURES]
 
 
 class Explorer:
@@ -222,3 +217,8 @@ def _cost(frontier: Frontier) -> float:
 
 def _same(frontier: Frontier, other: Frontier) -> bool:
     return dist(frontier.middle, other.middle) < SAME
+
+
+def _times(places: Sequence[Point], frontier: Frontier) -> int:
+    """Return how many of the places are of a frontier."""
+    return sum(dist(frontier.middle, place) < SAME for place in places)
