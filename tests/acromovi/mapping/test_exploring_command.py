@@ -13,6 +13,7 @@ import sys
 import uuid
 from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import asynccontextmanager
+from math import cos
 from typing import Any
 
 import numpy as np
@@ -75,14 +76,14 @@ class PlayedInterface(Agent):
 
     def __init__(self) -> None:
         super().__init__("user_interface@happy")
-        self.goals: list[tuple[float, float]] = []
+        self.goals: list[tuple[float, float, float]] = []
         self.cancelled = 0
         self.standing = "active"
 
     @request("go")
-    async def go(self, x: float, y: float, tolerance: float | None = None) -> dict[str, Any]:
+    async def go(self, x: float, y: float, heading: float, tolerance: float | None = None) -> dict[str, Any]:
         """Drive."""
-        self.goals.append((x, y))
+        self.goals.append((x, y, heading))
         self.standing = "active"
         return {"mission": f"mission {len(self.goals)}"}
 
@@ -153,8 +154,8 @@ def test_a_robot_is_sent_to_openings_by_its_odometry_until_it_has_seen_them() ->
         lines = [json.loads(line) for line in out.decode().splitlines()]
         assert lines[-1] == {"ended": "explored"}
         assert at.mapping.ended == 1
-        sides = {round(x) for x, _ in at.interface.goals}
-        assert sides == {-3, 1}, "odom is 1 m to the right of map"
+        sides = {(round(x), round(cos(heading))) for x, _, heading in at.interface.goals}
+        assert sides == {(-3, -1), (1, 1)}, "odom is 1 m to the right of map, and it looks out of each opening"
 
     play(story)
 
