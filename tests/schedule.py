@@ -1,8 +1,9 @@
 """Which tests run, where and in which order.
 
 With `--dist loadscope` a worker takes one unit after the other: the tests of a file, since they share what is started
-for them, those of a folder that shares more, or those of the conformance suite for one emulated robot. The longest
-units come first, so that the workers finish at the same time. With `--quick` the files that take long are left out.
+for them, those of a folder that shares more, those of the conformance suite for one emulated robot, or those that need
+emulated cameras. The longest units come first, so that the workers finish at the same time. With `--quick` the files
+that take long are left out.
 """
 
 import re
@@ -18,6 +19,21 @@ DURATIONS = Path(__file__).with_name("durations.toml")
 QUICK = 0.02  # s that a test takes of a file that is not listed
 WORTH_LISTING = 0.3  # s from which on a file is listed when the list is written anew
 SHARED = re.compile(r"^tests/apps/console/in_a_browser/")  # one team and one browser for all files of the folder
+# Programs that need the pictures of emulated cameras. A picture takes 10 ms of a core, and a busy emulator gives up
+# pictures first, so that these programs wait for minutes where several draw at a time. They run one after the other.
+DRAWN = frozenset(
+    (
+        "tests/acromovi/test_calibration_of_an_emulated_camera.py",
+        "tests/agents/components/test_hands_and_eyes.py",
+        "tests/apps/fetch/test_arm_on_a_team.py",
+        "tests/apps/fetch/test_on_a_team.py",
+        "tests/apps/formation/test_sight_on_a_team.py",
+        "tests/apps/optical_flow/test_in_a_browser.py",
+        "tests/apps/optical_flow/test_on_a_team.py",
+        "tests/apps/remote_vision/test_in_a_browser.py",
+        "tests/apps/robot_following/test_on_a_team.py",
+    )
+)
 SITE = re.compile(r"^(pty_tests)/.*\[([a-z0-9]+(?:-sh)?(?::[a-z0-9,:]+)?(?:@\w+)?)")
 
 
@@ -30,6 +46,8 @@ def unit_of(nodeid: str) -> str:
     """What one worker runs as a whole."""
     if shared := SHARED.match(nodeid):
         return shared[0]
+    if file_of(nodeid) in DRAWN:
+        return "emulated cameras"
     site = SITE.match(nodeid)
     return f"{site[1]} on {site[2]}" if site else file_of(nodeid)
 

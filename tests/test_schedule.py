@@ -8,7 +8,7 @@ from typing import cast
 import pytest
 
 from tests import schedule
-from tests.schedule import durations, longest_first, unit_of
+from tests.schedule import DRAWN, durations, longest_first, unit_of
 
 ROOT = Path(__file__).resolve().parents[1]
 
@@ -25,9 +25,13 @@ ROOT = Path(__file__).resolve().parents[1]
         ("pty_tests/test_foreign_driver.py::test_a[p3dx-sh@office]", "pty_tests on p3dx-sh@office"),
         ("pty_tests/test_client.py::test_no_robot", "pty_tests/test_client.py"),
         ("tests/apps/console/in_a_browser/test_agents.py::test_a", "tests/apps/console/in_a_browser/"),
+        ("tests/apps/fetch/test_on_a_team.py::test_a", "emulated cameras"),
+        ("tests/apps/optical_flow/test_on_a_team.py::test_a[9]", "emulated cameras"),
     ],
 )
-def test_a_unit_is_a_file_or_a_folder_or_an_emulated_robot_of_the_conformance_suite(nodeid: str, unit: str) -> None:
+def test_a_unit_is_a_file_or_folder_or_a_robot_of_the_conformance_suite_or_all_with_emulated_cameras(
+    nodeid: str, unit: str
+) -> None:
     assert unit_of(nodeid) == unit
 
 
@@ -49,8 +53,8 @@ def test_a_run_changes_what_is_said_of_its_own_files_only(tmp_path: Path, monkey
     assert written.read_text() == '# s per test\n"kept.py" = 7.0\n"slow.py" = 3.0\n'
 
 
-def test_every_file_that_is_said_to_take_long_exists() -> None:
-    assert [file for file in durations() if not (ROOT / file).is_file()] == []
+def test_every_file_that_is_said_to_take_long_or_to_need_cameras_exists() -> None:
+    assert [file for file in (*durations(), *DRAWN) if not (ROOT / file).is_file()] == []
 
 
 def test_all_that_starts_a_team_takes_long() -> None:
