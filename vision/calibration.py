@@ -20,6 +20,7 @@ _STILL = 0.01  # likewise: from one image of a camera to the next, of a board th
 _EDGE = 0.12  # of the image's width or height: a corner that is nearer to an edge shows the distortion there
 _SLANT = radians(15.0)  # of a board that is slanted
 _SLANTED = 2  # views that are to be slanted sideways, and as many up or down
+_UNSURE = 0.005  # of the focal length: standard deviation above which more views are wanted
 _SEARCH = cv2.CALIB_CB_NORMALIZE_IMAGE | cv2.CALIB_CB_ACCURACY
 
 
@@ -84,6 +85,21 @@ class _View:
     upwards: float
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class _Fit:
+    """A model by some views, None if it is no camera.
+
+    error: rms of the corners, px; errors: of each view. turns: of each board, as rotation vectors. deviation: standard
+    deviation of the focal length, as a share of it.
+    """
+
+    model: PinholeModel | None
+    error: float
+    errors: Floats
+    turns: Sequence[np.ndarray]
+    deviation: float
+
+
 class CalibrationViews:
     """Collects views of a chessboard that differ, and calibrates the camera by them.
 
@@ -97,6 +113,7 @@ class CalibrationViews:
         self._first = ""
         self._views: list[_View] = []
         self._before: Floats | None = None  # corners in the image before
+        self._fit: _Fit | None = None  # by all views
 
     def __len__(self) -> int:
         return len(self._views)
@@ -129,6 +146,7 @@ class CalibrationViews:
             if _apart(view.corners, corners) < _ALIKE * size[0]:
                 return f"is like {view.name}"
         self._views.append(_View(name, corners, *self._slant(corners, size)))
+        self._fit = None
         return ""
 
     def missing(self, views: int = FEWEST_VIEWS) -> list[str]:
@@ -147,7 +165,13 @@ class CalibrationViews:
         sideways = sum(abs(view.sideways) > _SLANT for view in self._views)
         upwards = sum(abs(view.upwards) > _SLANT for view in self._views)
         missing += ["slanted sideways"] if sideways < _SLANTED else []
-        return missing + (["slanted up or down"] if upwards < _SLANTED else [])
+        missing += ["slanted up or down"] if upwards < _SLANTED else []
+        if missing or len(self) < FEWEST_VIEWS:
+            return missing
+        deviation = self._fitted_by_all(self.size).deviation
+        if deviation > _UNSURE:
+            missing.append(f"nearer or more slanted, since the focal length is known to {deviation:.1%} only")
+        return missing
 
     def solve(self) -> CalibrationResult:
         """Return the camera model by the views.
@@ -161,27 +185,31 @@ class CalibrationViews:
                 "with all corners in view, sharp and evenly lit"
             )
         views = self._views
-        error, model, turns, each = self._fitted(views, self.size)
-        good = [view for view, own in zip(views, each, strict=True) if own <= max(0.5, 3.0 * float(np.median(each)))]
+        fit = self._fitted_by_all(self.size)
+        most = max(0.5, 3.0 * float(np.median(fit.errors)))
+        good = [view for view, own in zip(views, fit.errors, strict=True) if own <= most]
         if FEWEST_VIEWS <= len(good) < len(views):  # without images that fit much worse than the others
             views = good
-            error, model, turns, _ = self._fitted(views, self.size)
-        normals = np.array([cv2.Rodrigues(turn)[0][:, 2] for turn in turns])
+            fit = self._fitted(views, self.size)
+        normals = np.array([cv2.Rodrigues(turn)[0][:, 2] for turn in fit.turns])
         if np.arccos(np.clip((normals @ normals.T).min(), -1.0, 1.0)) < _LEAST_TILT:
             raise VisionError("the board is parallel in all images; tilt it by 20 to 40 degrees in some of them")
-        if not error <= _LARGEST_ERROR or model is None:
+        if not fit.error <= _LARGEST_ERROR or fit.model is None:
             raise VisionError(
-                f"the corners are {error:.1f} px from where a camera would have them, and {_LARGEST_ERROR} px are "
+                f"the corners are {fit.error:.1f} px from where a camera would have them, and {_LARGEST_ERROR} px are "
                 "allowed; check the number of corners, and take sharp images of a flat board"
             )
         lacking = self.missing()
         advice = f"better with views {', '.join(lacking)}" if lacking else ""
-        return CalibrationResult(model, error, tuple(view.name for view in views), advice)
+        return CalibrationResult(fit.model, fit.error, tuple(view.name for view in views), advice)
 
-    def _fitted(
-        self, views: Sequence[_View], size: tuple[int, int]
-    ) -> tuple[float, PinholeModel | None, Sequence[np.ndarray], Floats]:
-        """Return the error, the model, None if it is no camera, the turn of each board, and its error."""
+    def _fitted_by_all(self, size: tuple[int, int]) -> _Fit:
+        if self._fit is None:
+            self._fit = self._fitted(self._views, size)
+        return self._fit
+
+    def _fitted(self, views: Sequence[_View], size: tuple[int, int]) -> _Fit:
+        """Return the model by some views."""
         flags = cv2.CALIB_FIX_K3  # a third radial coefficient is not determined by a few images
         boards = [self._board.points] * len(views)
         corners = [view.corners.astype(np.float32) for view in views]
@@ -195,7 +223,9 @@ class CalibrationViews:
             )
         except VisionError:  # infinite or negative: the caller reports the error in px
             model = None
-        return round(float(error), 4), model, turns, result[7].ravel()
+        focal, deviations = np.array([matrix[0, 0], matrix[1, 1]]), result[5].ravel()[:2]
+        deviation = float((deviations / np.abs(focal)).max())
+        return _Fit(model, round(float(error), 4), result[7].ravel(), turns, deviation)
 
     def _slant(self, corners: Floats, size: tuple[int, int]) -> tuple[float, float]:
         """Return by how much a board is slanted sideways and upwards, rad, for a camera with a usual lens."""

@@ -45,9 +45,8 @@ def test_the_program_of_the_page_moves_the_robot_until_its_camera_is_calibrated(
             finally:
                 calibration.kill()
                 drive.kill()
-    # The emulator draws without smoothing, so corners are found to a third of a pixel only. Twelve views then give the
-    # focal length to 1 to 3 percent, by which of them come in time.
-    assert told["fx"] == pytest.approx(WIDTH / 2.0 / math.tan(FIELD_OF_VIEW / 2.0), rel=0.04)
+    # The emulator draws without smoothing, so corners are found to a third of a pixel only.
+    assert told["fx"] == pytest.approx(WIDTH / 2.0 / math.tan(FIELD_OF_VIEW / 2.0), rel=0.02)
     assert told["error_px"] < 0.5
     (robot,) = tomllib.loads(file.read_text())["robots"]
     assert robot["camera_calibration"]["width"] == WIDTH

@@ -1,5 +1,6 @@
 """Camera calibration from drawn chessboards with known truth."""
 
+import re
 from collections.abc import Sequence
 
 import cv2
@@ -113,14 +114,28 @@ def test_images_of_different_sizes_are_refused_by_their_names() -> None:
         views.add("b.png", np.zeros((120, 160), np.uint8))
 
 
-def test_a_board_that_is_bent_is_refused() -> None:
-    bent = []
+def bent(by: float) -> list[Pixels]:
+    """Boards that are bent by so many px."""
     rows, columns = np.mgrid[:HEIGHT, :WIDTH].astype(np.float32)
+    images = []
     for number, image in enumerate(chessboards()):
-        wave = (6.0 * np.sin(columns / 40.0 + number)).astype(np.float32)
-        bent.append(np.asarray(cv2.remap(image, columns, rows + wave, cv2.INTER_LINEAR, borderValue=120), np.uint8))
+        wave = (by * np.sin(columns / 40.0 + number)).astype(np.float32)
+        images.append(np.asarray(cv2.remap(image, columns, rows + wave, cv2.INTER_LINEAR, borderValue=120), np.uint8))
+    return images
+
+
+def test_a_board_that_is_bent_is_refused() -> None:
     with pytest.raises(VisionError, match=r"px from where a camera would have them.*flat board"):
-        calibrated(bent)
+        calibrated(bent(6.0))
+
+
+def test_views_that_do_not_tell_the_focal_length_do_not_suffice() -> None:
+    views = CalibrationViews(BOARD)
+    for number, image in enumerate(bent(1.5)):
+        views.add(f"{number}", image)
+    (missing,) = views.missing(9)
+    assert re.fullmatch(r"nearer or more slanted, since the focal length is known to \d\.\d% only", missing)
+    assert views.solve().advice == f"better with views {missing}"
 
 
 @pytest.mark.parametrize(
