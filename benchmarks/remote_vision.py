@@ -181,9 +181,8 @@ class _Line:
     async def _carry(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         """Carry one direction: every chunk arrives later, in order."""
         clear = 0.0  # when the latest segment arrives, s of the loop's time
-        with suppress(
-            ConnectionResetError
-        ):  # a browser that is killed resets its connections, which ends them likewise
+        # A browser that is killed resets its connections, which ends them likewise.
+        with suppress(ConnectionResetError):
             while data := await reader.read(1 << 16):
                 count = -(-len(data) // SEGMENT)
                 for number in range(count):

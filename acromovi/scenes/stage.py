@@ -129,7 +129,7 @@ class SceneStage:
                 try:
                     sample = arrived.get(timeout=left)
                 except queue.Empty:
-                    break
+                    break  # the time is over, which is told below
                 message = messages.decode(topic.type_name, sample.payload)
                 if wanted(message):
                     return message

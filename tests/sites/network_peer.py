@@ -79,7 +79,7 @@ def heard(seconds: float) -> list[str]:
             try:
                 frame, sender = line.recvfrom(2048)
             except TimeoutError:
-                break
+                break  # the while for which it listens is over
             if sender[2] != socket.PACKET_OUTGOING and int.from_bytes(frame[12:14], "big") not in IGNORED:
                 frames.append(frame.hex())
     return frames
