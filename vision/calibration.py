@@ -213,7 +213,8 @@ class CalibrationViews:
         flags = cv2.CALIB_FIX_K3  # a third radial coefficient is not determined by a few images
         boards = [self._board.points] * len(views)
         corners = [view.corners.astype(np.float32) for view in views]
-        result = cv2.calibrateCameraExtended(boards, corners, size, None, None, flags=flags)  # type: ignore[call-overload]  # the stubs demand matrices where OpenCV takes None
+        # The matrices are not read with these flags; they are written.
+        result = cv2.calibrateCameraExtended(boards, corners, size, np.eye(3), np.zeros(5), flags=flags)
         error, matrix, distortion, turns = result[0], result[1], result[2].ravel(), result[3]
         try:
             model = PinholeModel(
@@ -225,7 +226,7 @@ class CalibrationViews:
             model = None
         focal, deviations = np.array([matrix[0, 0], matrix[1, 1]]), result[5].ravel()[:2]
         deviation = float((deviations / np.abs(focal)).max())
-        return _Fit(model, round(float(error), 4), result[7].ravel(), turns, deviation)
+        return _Fit(model, round(float(error), 4), np.asarray(result[7].ravel(), np.float64), turns, deviation)
 
     def _slant(self, corners: Floats, size: tuple[int, int]) -> tuple[float, float]:
         """Return by how much a board is slanted sideways and upwards, rad, for a camera with a usual lens."""

@@ -302,9 +302,10 @@ class MapFeed:
 
     def _goal_in_odom(self, robot: str, mission: Mapping[str, Any]) -> list[float | None] | None:
         """Return the goal of a recorded mission, x, y and heading or None; None if its place is not known."""
-        goal, odom = mission["goal"], self.places.of(robot)
+        goal: list[Any] | None = mission["goal"]  # of JSON
+        odom = self.places.of(robot)
         if goal is None or mission["frame"] == "odom":
-            return goal  # type: ignore[no-any-return]  # of JSON
+            return goal
         if odom is None:
             return None
         x, y, heading = goal

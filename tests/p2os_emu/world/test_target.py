@@ -15,6 +15,7 @@ from bus import keys
 from configs.target_file import target_file
 from geometry import Pose2D
 from p2os import RobotModel
+from p2os_emu.accessories.evid30 import EviD30
 from p2os_emu.accessories.lms200 import ScannerModel
 from p2os_emu.camera.jpeg import encode_jpeg
 from p2os_emu.fit import BARE, Fit
@@ -131,7 +132,9 @@ def test_a_robots_own_camera_never_sees_its_target(model: str) -> None:
     def seen(fit: str) -> list[bytes]:
         with Lockstep(ROOM, {"happy": model}, fits={"happy": fit}, perfect=True) as lockstep:
             lockstep.world.place("happy", Pose2D())
-            head = lockstep._emulator.robots["happy"].microcontroller.board.aux[1].device.head  # type: ignore[union-attr]  # a head is plugged in
+            camera = lockstep._emulator.robots["happy"].microcontroller.board.aux[1].device
+            assert isinstance(camera, EviD30)
+            head = camera.head
             pictures = []
             for pan, tilt in ((0.0, 0.0), (radians(100), 0.0), (radians(-100), 0.0), (radians(100), radians(-25))):
                 head.pan.position, head.tilt.position = pan, tilt
