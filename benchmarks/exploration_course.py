@@ -154,8 +154,8 @@ class _Member:
         goal = heading = None
         if order.goal is not None:
             odom = Pose2D(*self.work.progress()["odom"])
-            goal = self.robot.start.transform(*odom.locate(*order.goal))
-            heading = None if order.heading is None else order.heading - odom.heading + self.robot.start.heading
+            pose = self.robot.start.compose(order.goal.relative_to(odom))
+            goal, heading = (pose.x, pose.y), pose.heading
         self.robot.tell(goal, mission=f"frontier {self.missions}", heading=heading)
 
     def _standing(self) -> MissionStanding:

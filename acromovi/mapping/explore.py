@@ -10,7 +10,7 @@ from agents.platform.errors import AgentError, RequestNotDone
 from bus import keys
 from bus.bus import Bus
 from bus.errors import BusError
-from geometry import Point, wrap_angle
+from geometry import Point
 from maps.building.exploring import Explorer, ExploringOrder, MissionStanding, RobotSight
 from maps.building.merging import CommonFrame
 
@@ -110,13 +110,11 @@ class ExploringTeam:
             self._missions.pop(robot, None)
             await self._agent.request(interface, "cancel", reply_within=REPLY)
             return
-        odometry = self._grids.odometry[robot]
-        x, y = odometry.locate(*order.goal)
-        heading = None if order.heading is None else wrap_angle(order.heading - odometry.heading)
+        goal = order.goal.relative_to(self._grids.odometry[robot])
         # Before the reply: if the program is to end now, this mission is cancelled as well.
         self._missions[robot] = "", asyncio.get_running_loop().time()
         outcome = await self._agent.request(
-            interface, "go", reply_within=REPLY, x=x, y=y, heading=heading, tolerance=TOLERANCE
+            interface, "go", reply_within=REPLY, x=goal.x, y=goal.y, heading=goal.heading, tolerance=TOLERANCE
         )
         name = outcome.result["mission"] if outcome.is_done else ""
         self._missions[robot] = name, asyncio.get_running_loop().time()

@@ -53,13 +53,9 @@ class RobotSight:
 
 @dataclass(frozen=True, slots=True)
 class ExploringOrder:
-    """What a robot is to do: go to a place of its own map, m; or cancel what it does, without a place.
+    """What a robot is to do: go to a pose in its own map, m and rad; or cancel what it does, without a pose."""
 
-    heading: At the place, rad in the map; None for any.
-    """
-
-    goal: Point | None
-    heading: float | None = None
+    goal: Pose2D | None
 
 
 @dataclass(slots=True)
@@ -122,7 +118,7 @@ class Explorer:
             self._look(now, member, sight)
             left = member.left(frontiers(teams[name].grid(), (sight.pose.x, sight.pose.y), self._radius))
             member.is_finished = not left
-            if member.frontier is not None and any(_same(each, member.frontier) for each in left):
+            if member.frontier is not None and any(_is_of(each, member.frontier.middle) for each in left):
                 continue  # it drives there, and there is still something to see
             member.frontier = None
             if was_active:
@@ -132,7 +128,7 @@ class Explorer:
             member = self._members[name]
             if member.frontier is None and not self._is_taken(teams[name], frontier):
                 member.frontier, member.began = frontier, now
-                orders[name] = ExploringOrder(frontier.goal, frontier.facing)
+                orders[name] = ExploringOrder(Pose2D(*frontier.goal, frontier.facing))
         return orders
 
     def _look(self, now: float, member: _Member, sight: RobotSight) -> None:
@@ -215,10 +211,11 @@ def _cost(frontier: Frontier) -> float:
     return frontier.way - DOOR_BONUS * frontier.is_door - LENGTH_BONUS * min(frontier.length, LONGEST)
 
 
-def _same(frontier: Frontier, other: Frontier) -> bool:
-    return dist(frontier.middle, other.middle) < SAME
+def _is_of(frontier: Frontier, middle: Point) -> bool:
+    """Return whether the middle of a frontier that was seen before is of this one."""
+    return dist(frontier.middle, middle) < SAME
 
 
-def _times(places: Sequence[Point], frontier: Frontier) -> int:
-    """Return how many of the places are of a frontier."""
-    return sum(dist(frontier.middle, place) < SAME for place in places)
+def _times(middles: Sequence[Point], frontier: Frontier) -> int:
+    """Return how many of the middles are of a frontier."""
+    return sum(_is_of(frontier, middle) for middle in middles)

@@ -82,7 +82,7 @@ class DrawnRobot:
         return RobotSight(grid, self.pose.relative_to(self.frame), self.mission)
 
     def follow(self, order: ExploringOrder) -> None:
-        self.goal = None if order.goal is None else self.frame.transform(*order.goal)
+        self.goal = None if order.goal is None else self.frame.transform(order.goal.x, order.goal.y)
         self.mission = MissionStanding.NONE if order.goal is None else MissionStanding.ACTIVE
 
     def drive(self) -> None:
@@ -180,9 +180,8 @@ def test_a_robot_is_told_to_face_what_it_is_to_see() -> None:
     robot = DrawnRobot(Pose2D(1.5, 1.5, 0.0), Pose2D(1.5, 1.5, 0.3))
     sight = robot.sight()
     order = Explorer(RADIUS).decide(0.0, {"happy": sight})["happy"]
-    assert order.goal is not None
-    assert order.heading is not None
-    ahead = Pose2D(*order.goal, order.heading)
+    ahead = order.goal
+    assert ahead is not None
     places = [(x, y) for x in (-0.6, 0.6) for y in (-0.2, 0.0, 0.2)]
     before, behind = (
         sight.grid.values_at(np.array([ahead.transform(x, y) for x, y in places if (x > 0.0) is is_ahead]))
