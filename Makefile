@@ -7,7 +7,7 @@ READY  := $(VENV)/.ready
 SEEN   := $(VENV)/.collected
 
 # Tests wait for processes more than they reckon, so there is room for more at a time than there are cores.
-WORKERS := $(shell expr $$(nproc) + 3)
+WORKERS := $(shell expr $$(nproc) + 4)
 PYTEST  := $(BIN)/pytest -n $(WORKERS) --dist loadscope
 FEW     := [ $$(grep -c '::' .pytest_cache/v/cache/lastfailed) -le 10 ]
 
