@@ -231,8 +231,10 @@ def _joystick(handler: ControlRequestHandler, fields: Fields) -> Mapping[str, An
 
 def _reset(handler: ControlRequestHandler, fields: Fields) -> Mapping[str, Any]:
     names = [robot.name for robot in handler.robots(fields)]
-    for name in names:
-        handler.emulator.restart(name)
+    try:
+        handler.emulator.restart(names)
+    except ValueError as error:
+        raise RequestError(str(error)) from error
     return {"reset": names}
 
 

@@ -1,6 +1,6 @@
 """Robots in a world, each with its own line. One step moves all of them. Opens no port and reads no clock."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -234,11 +234,16 @@ class Emulator:
         _check_place(pose)
         self.world.place(name, pose)
 
-    def restart(self, name: str) -> None:
-        """Move a robot back to its first pose and reset it: odometry zero, connection closed."""
-        robot = self.robots[name]
-        self.world.place(name, robot.start)
-        robot.microcontroller.power_cycle()
+    def restart(self, names: Iterable[str]) -> None:
+        """Move robots back to their first poses and reset them: odometry zero, connection closed.
+
+        Raises:
+            ValueError: Something stands at a first pose; no robot is reset then.
+        """
+        robots = [self.robots[name] for name in names]
+        self.world.place_all({robot.name: robot.start for robot in robots})
+        for robot in robots:
+            robot.microcontroller.power_cycle()
 
     def step(self) -> None:
         """Advance everything by `STEP`: lines, firmware, world, lines."""

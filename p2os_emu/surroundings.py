@@ -55,6 +55,9 @@ class EmulatedSurroundings(Protocol):
     def place(self, name: str, pose: Pose2D) -> None:
         """Move a robot to another pose; its odometry does not change."""
 
+    def place_all(self, poses: Mapping[str, Pose2D]) -> None:
+        """Move robots to other poses at the same time, so that they may change places; all of them or none."""
+
     def placed(self, name: str) -> int:
         """How often a robot has been put somewhere else since it was added."""
 

@@ -4,6 +4,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from math import isfinite
 from random import Random
+from types import MappingProxyType
 
 import numpy as np
 
@@ -304,12 +305,21 @@ class World:
         Raises:
             WorldError: There is no such robot, or the place is not free.
         """
-        robot = self._robot(name)
-        self._check_free(name, robot.chassis, pose)
-        robot.move_to(pose)
+        self.place_all({name: pose})
+
+    def place_all(self, poses: Mapping[str, Pose2D]) -> None:
+        """Lift robots, and put them down at rest when all are in the air, so that they may change places.
+
+        Raises:
+            WorldError: There is no such robot, or a place is not free; none is lifted then.
+        """
+        for name, pose in poses.items():
+            self._check_free(name, self._robot(name).chassis, pose, poses)
+        for name, pose in poses.items():
+            self._robot(name).move_to(pose)
+            self._placed[name] += 1
         self.engine_use.look_again()
         self._heard.forget_places()
-        self._placed[name] += 1
         self._moving = None
         self._set_still(False)
 
@@ -369,12 +379,15 @@ class World:
             raise WorldError(f"world {self.spec.name!r} has no free place left for robot {name!r}; give it a pose")
         return pose
 
-    def _check_free(self, name: str, chassis: Chassis, pose: Pose2D) -> None:
+    def _check_free(
+        self, name: str, chassis: Chassis, pose: Pose2D, poses: Mapping[str, Pose2D] = MappingProxyType({})
+    ) -> None:
+        """Raise WorldError if a robot cannot stand at a pose, while others stand at poses of their own."""
         if not all(map(isfinite, (pose.x, pose.y, pose.heading))):
             raise WorldError(f"robot {name!r} cannot stand at {pose}: give finite numbers")
         footprint = chassis.footprint(pose)
         others = [
-            (f"robot {other!r}", robot.chassis.footprint(robot.pose))
+            (f"robot {other!r}", robot.chassis.footprint(poses.get(other, robot.pose)))
             for other, robot in self._robots.items()
             if other != name
         ]

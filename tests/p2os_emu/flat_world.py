@@ -133,8 +133,13 @@ class FlatWorld:
 
     def place(self, name: str, pose: Pose2D) -> None:
         """Put a robot elsewhere."""
-        self.bodies[name].pose = pose
-        self.moves[name] += 1
+        self.place_all({name: pose})
+
+    def place_all(self, poses: Mapping[str, Pose2D]) -> None:
+        """Put robots elsewhere."""
+        for name, pose in poses.items():
+            self.bodies[name].pose = pose
+            self.moves[name] += 1
 
     def placed(self, name: str) -> int:
         """How often that was done."""

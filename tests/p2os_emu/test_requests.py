@@ -200,6 +200,25 @@ def test_reset_carries_home(desk: ControlRequestHandler) -> None:
     assert ask(desk, "pose", robot="grumpy")["x"] == 0.0
 
 
+def test_reset_of_all_lets_robots_change_places_and_of_one_is_refused_where_another_stands() -> None:
+    with closing(Poller()) as poller, World(load_world("empty"), seed=1) as world:
+        emulator = Emulator(world, LinkProfile("ideal"))
+        team = EmulatedTeam(emulator, Ports(poller, tcp=0), "ideal", {}, "")
+        starts = {"happy": Pose2D(5.0, 3.0, 0.0), "doc": Pose2D(7.0, 3.0, 1.0)}
+        for name, start in starts.items():
+            team.add(f"p3dx:{name}", start)
+        clock = Runner(emulator, poller, clock=lambda: 0.0, sleep=lambda seconds: None)
+        desk = ControlRequestHandler(team, FaultBoard(emulator.robots), clock)
+        world.place_all({"happy": starts["doc"], "doc": starts["happy"]})
+        with pytest.raises(RequestError, match=r"cannot stand at \(5\.00, 3\.00\) m: robot 'doc' is in the way"):
+            ask(desk, "reset", robot="happy")
+        assert ask(desk, "pose", robot="happy")["x"] == pytest.approx(7.0, abs=0.01)
+        assert ask(desk, "reset") == {"reset": ["happy", "doc"]}
+        for name, start in starts.items():
+            assert ask(desk, "pose", robot=name)["x"] == pytest.approx(start.x, abs=0.01)
+        emulator.close()
+
+
 def test_quit_ends_the_run(fresh: ControlRequestHandler) -> None:
     ask(fresh, "quit")
     fresh.runner.run()
