@@ -1,4 +1,4 @@
-"""Accelerations of the robot: those that the user asks for, those that are known, and the duration of a motion."""
+"""Speeds and accelerations of the robot: those that the user asks for, those that are known, duration of a motion."""
 
 from collections.abc import Iterator
 from math import inf, sqrt
@@ -37,6 +37,19 @@ def acceleration_frames(limits: DriveLimits) -> Iterator[tuple[str, bytes]]:
         wanted: float | None = getattr(limits, row.setting)
         if wanted is not None:
             yield row.name, encode_command(row.command, row.sign * wanted)
+
+
+def speed_frames(limits: DriveLimits, linear: float, angular: float) -> Iterator[tuple[str, bytes]]:
+    """Return the frames that have the robot keep the speeds of the settings in moves and turns, each with its name.
+
+    Args:
+        limits: Of the settings; what they leave out stays as it is.
+        linear, angular: The lowest limits of model, robot and settings, m/s and rad/s, so that none is raised.
+    """
+    if limits.linear_m_s is not None:
+        yield "speed", encode_command(Command.SETV, linear)
+    if limits.angular_rad_s is not None:
+        yield "angular_speed", encode_command(Command.SETRV, angular)
 
 
 def known_accelerations(

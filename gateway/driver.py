@@ -14,7 +14,7 @@ from collections.abc import Callable, Sequence
 from math import inf
 from typing import Any
 
-from gateway.accelerations import acceleration_frames, known_accelerations, travel_time
+from gateway.accelerations import acceleration_frames, known_accelerations, speed_frames, travel_time
 from gateway.connector import CLOSE, STOP, Connector
 from gateway.elements.element import Element
 from gateway.elements.gyro.element import Gyro
@@ -371,5 +371,5 @@ class Driver(RobotCommands):
         limits = self._settings.limits
         linear = self.model.max_velocity, reported.velocity_max, reported.velocity_top, limits.linear_m_s
         angular = self.model.max_rotation, reported.rotation_max, reported.rotation_top, limits.angular_rad_s
-        self._motion.max_linear = min(limit for limit in linear if limit)
-        self._motion.max_angular = min(limit for limit in angular if limit)
+        least = min(limit for limit in linear if limit), min(limit for limit in angular if limit)
+        self._motion.limit_speeds(*least, speed_frames(limits, *least))

@@ -6,7 +6,7 @@ one its speeds. PULSE serves where there are no setpoints (nothing was asked sin
 go on (a long motion).
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from enum import Enum, auto
 from math import inf, isfinite
 
@@ -76,7 +76,7 @@ class MotionTracker:
     """Commands in, frames into the outbox; SIPs in, ends of long motions out.
 
     is_estopped: latched. is_rolling: the wheels turned at the last SIP. wants_motors: the motors are to be on.
-    max_linear, max_angular: m/s and rad/s, clip velocities.
+    max_linear, max_angular: m/s and rad/s; what no motion exceeds.
     """
 
     def __init__(self, outbox: Outbox, report: Callable[[MotionEnded], None], wants_motors: bool) -> None:
@@ -100,6 +100,7 @@ class MotionTracker:
         self.wants_motors = wants_motors
         self.max_linear = inf
         self.max_angular = inf
+        self._speed_limits: dict[str, bytes] = {}
 
     @property
     def is_ignored(self) -> bool:
@@ -134,6 +135,16 @@ class MotionTracker:
         self._mode = _Mode.UNASKED
         self._enabled_at = -inf
 
+    def limit_speeds(self, linear: float, angular: float, frames: Iterable[tuple[str, bytes]]) -> None:
+        """Set what no motion exceeds.
+
+        Args:
+            linear, angular: m/s and rad/s; velocities are clipped to them.
+            frames: Those by which the robot keeps them in moves and turns, each with its name.
+        """
+        self.max_linear, self.max_angular = linear, angular
+        self._speed_limits = dict(frames)
+
     def drive(self, linear: float, angular: float, now: float) -> None:
         """Set the velocity, m/s and rad/s, clipped to the limits; in force until `CMD_VEL_SILENCE` has passed.
 
@@ -167,6 +178,8 @@ class MotionTracker:
         self._outbox.drop(Command.VEL, Command.RVEL)
         self._mode = _Mode.TRAVELLING
         self._motion = motion
+        for name, frame in self._speed_limits.items():  # each time: a robot forgets them with the connection
+            self._outbox.put(name, frame)
         self._queue_journey()
 
     def stop(self, now: float) -> None:

@@ -120,6 +120,41 @@ def test_velocity_is_clipped_to_what_model_robot_and_user_allow(make_bench: "Mak
     assert values[Command.RVEL] == pytest.approx(-bench.driver.max_angular, abs=radians(0.5))
 
 
+@pytest.mark.parametrize(("begin", "speed", "angular"), [("move", 0.3, 0.0), ("turn", 0.0, 0.5), ("turn_to", 0.0, 0.5)])
+def test_moves_and_turns_keep_the_limits_of_the_user_also_after_the_robot_was_lost(
+    make_bench: "MakeBench", begin: str, speed: float, angular: float
+) -> None:
+    bench = make_bench(settings=Settings(limits=DriveLimits(linear_m_s=0.3, angular_rad_s=0.5)))
+    bench.connect()
+    assert bench.driver.model is not None
+    seen: list[tuple[float, float]] = []
+    for goal in (2.5, -2.5):
+        bench.run(ASKED)
+        seen.clear()
+        getattr(bench.driver, begin)(goal, bench.now)
+        bench.run(4.0, lambda: seen.append((bench.body.left.velocity, bench.body.right.velocity)))
+        assert max(abs(left + right) / 2.0 for left, right in seen) == pytest.approx(speed, abs=0.01)
+        assert max(abs(right - left) / bench.driver.model.wheel_track for left, right in seen) == pytest.approx(
+            angular, abs=0.02
+        )
+        bench.is_frozen = True
+        bench.run(5.0)
+        bench.is_frozen = False
+        bench.run_until(lambda: bench.driver.is_connected)
+
+
+def test_a_limit_of_the_user_raises_no_lower_one_of_the_robot(make_bench: "MakeBench") -> None:
+    bench = make_bench(settings=Settings(limits=DriveLimits(linear_m_s=2.0)))
+    bench.connect()
+    bench.run(ASKED)
+    assert bench.driver.configuration is not None
+    lowest = min(bench.driver.configuration.velocity_max, 2.0)
+    bench.driver.move(1.0, bench.now)
+    bench.run(0.1)
+    (told,) = [command.value for _, command in bench.sent if command.command is Command.SETV]
+    assert told == pytest.approx(lowest)
+
+
 def test_commands_are_refused_before_the_robot_is_connected(bench: "Bench") -> None:
     bench.start()
     assert "not connected" in refusal(lambda: bench.driver.set_velocity(0.1, 0.0, bench.now))
