@@ -27,10 +27,12 @@ def heartbeat_key(text: str) -> str:
     """Return a key, after checking that it can be that of a heartbeat.
 
     Raises:
-        KeyNotValid: It has wildcards, is malformed, or does not end in `/heartbeat`.
+        KeyNotValid: It has wildcards, is malformed, has a part that begins with @, or does not end in `/heartbeat`.
     """
     if not text.endswith(SUFFIX):
         raise KeyNotValid(f"{text!r} is not the key of a heartbeat; it must end in {SUFFIX}")
+    if any(part.startswith("@") for part in text.split("/")):
+        raise KeyNotValid(f"{text!r} is not the key of a heartbeat; parts that begin with @ are Zenoh's own")
     try:
         return plain_key(text)
     except KeyNotValid as err:

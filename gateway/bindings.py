@@ -56,7 +56,8 @@ class MotionBindings(Subscription):
     @property
     def deadline(self) -> float:
         """When the next binding ends if no beat is heard, s; infinite without bindings."""
-        return min((heard + SILENCE for heard in self._heard_at.values()), default=inf)
+        heard_at = tuple(self._heard_at.values())  # in one step: it is read without the lock
+        return min(heard_at, default=inf) + SILENCE
 
     def bind(self, binding: Binding) -> None:
         """Bind a motion that has begun; it replaces the element's former motion."""

@@ -141,17 +141,18 @@ class Bridge(Generic[D]):
                 driver.port_opened(clock())
                 self._flush()
 
-    def command(self, call: Callable[[D, float], T]) -> T:
+    def command(self, call: Callable[[D, float], T], patience: float = LOCK_PATIENCE) -> T:
         """Call a function with the driver from any thread; the bytes due are written before this returns.
 
         Args:
             call: Called with the driver and the steady time, under the lock; what it raises comes through.
+            patience: s to wait for the lock.
         Raises:
             LineBlocked: The bridge's thread hangs in its port, so the function was not called.
         """
-        if not self._lock.acquire(timeout=0.0 if self._is_blocked else LOCK_PATIENCE):
+        if not self._lock.acquire(timeout=0.0 if self._is_blocked else patience):
             self._is_blocked = True
-            raise LineBlocked("the port of the robot hangs; the command was not sent")
+            raise LineBlocked("the port hangs; the command was not sent")
         try:
             self._is_blocked = False
             try:

@@ -54,7 +54,14 @@ class Commander(Protocol):
     """Gives threads of the bus access to the driver."""
 
     def command(self, call: Callable[[Driver, float], T]) -> T:
-        """Call a function with the driver and the steady time under the robot's lock, and write the bytes due."""
+        """Call a function with the driver and the steady time under the robot's lock, and write the bytes due.
+
+        Raises:
+            LineBlocked: The robot's line hangs; the function was not called.
+        """
+
+    def post(self, call: Callable[[Driver, float], object]) -> None:
+        """Call a function likewise without waiting, as soon as the line does not hang; it must not raise."""
 
 
 class CommandServer(Subscription):
@@ -172,14 +179,22 @@ class CommandServer(Subscription):
                 reply = self._commander.command(call)
             except LineBlocked as blocked:
                 self.refused[topic.suffix] += 1
+                if topic in STOPPING:
+                    self._commander.post(lambda driver, now: self._obey_late(handle, given, now))
                 raise Refused(str(blocked)) from blocked
-            if topic in STOPPING:
-                self._halt_cables()
-            elif HEARTBEAT in given:
+            finally:
+                if topic in STOPPING:  # also where the robot's own line hangs
+                    self._halt_cables()
+            if HEARTBEAT in given:
                 self.bindings.follow()
             return reply
 
         return answer
+
+    def _obey_late(self, handle: Handler, given: dict[str, Any], now: float) -> None:
+        """Stop a robot whose line has hung, and latch an e-stop: who asked for it was told only that the line hangs."""
+        with suppress(CommandRefused):  # it would have been refused at once
+            handle(given, now)
 
     def _count(self, topic: Topic, refusal: Exception, now: float) -> None:
         self.refused[topic.suffix] += 1

@@ -148,7 +148,7 @@ class Connector:
     def receive(self, payload: bytes, now: float) -> Identity | None:
         """Take the payload of a sound frame; return the robot's identity once it has given it."""
         self._frames_heard += 1
-        if self.baud not in self._rates:  # a probe
+        if self.baud not in self._rates and self.baud != self._known:  # a probe
             self._answers_at = self.baud
             return None
         if not self._has_frames:

@@ -6,6 +6,7 @@ import sys
 import threading
 import time
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from math import inf
 from typing import TYPE_CHECKING, Any, TextIO
@@ -82,7 +83,8 @@ class GatewayOptions:
 
 def _print(line: str, file: TextIO) -> None:
     """Print a line in one call, so that lines of several robots do not mix."""
-    print(f"{line}\n", end="", file=file, flush=True)
+    with suppress(OSError, ValueError):  # nobody reads it any more, or it is closed; the robots are served all the same
+        print(f"{line}\n", end="", file=file, flush=True)
 
 
 class SharedBus:

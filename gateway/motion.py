@@ -155,7 +155,12 @@ class MotionTracker:
             raise CommandRefused(f"velocity {linear} m/s, {angular} rad/s is not finite; send numbers")
         is_first = now - self._cmd_vel_at >= CMD_VEL_SILENCE
         self._cmd_vel_at = now
-        self._check_free(now)
+        try:
+            self._check_free(now)
+        except CommandRefused:
+            if self._mode is _Mode.DRIVING:  # a velocity that is not obeyed must not keep an older one in force
+                self.halt(now)
+            raise
         if self._holds and not is_first:
             raise CommandRefused(f"a stop holds the robot until cmd_vel has been silent for {CMD_VEL_SILENCE} s")
         self._holds = False

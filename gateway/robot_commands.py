@@ -153,9 +153,10 @@ class RobotCommands(ABC):
     def halt_base(self, now: float, end: MotionEnd = MotionEnd.STOPPED) -> None:
         """Stop the wheels without holding them; the next command moves them. end: reported for a motion under way."""
         self._wake(now)
-        if self._motion.is_asked_to_move:
+        joystick = self.lookup(JoystickElement)
+        if self._motion.is_asked_to_move or joystick.drives:
             self._motion.halt(now, end)
-        self._elements[JoystickElement].halt(now)
+        joystick.halt(now)
 
     def halt_element(self, kind: type[Element[Any]], now: float) -> None:
         """Stop one element where it is."""

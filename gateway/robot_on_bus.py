@@ -148,7 +148,8 @@ class RobotOnBus(Subscription):
                     self._elements.follow(self._present())
             if now >= self._server.deadline:
                 self._server.settle()
-            self._server.bindings.follow()
+            with self._streams.guarded("heartbeats"):
+                self._server.bindings.follow()
             if self._server.lease_has_changed:
                 self._server.lease_has_changed = False
                 with self._streams.guarded(keys.LEASE_STATE.suffix):

@@ -155,6 +155,25 @@ def test_a_limit_of_the_user_raises_no_lower_one_of_the_robot(make_bench: "MakeB
     assert told == pytest.approx(lowest)
 
 
+def test_refused_velocities_keep_no_older_velocity_in_force(bench: "Bench") -> None:
+    bench.robot.panel.stop_button = True
+    bench.start()
+    bench.run_until(lambda: bench.driver.is_connected)
+    bench.driver.set_velocity(0.3, 0.0, bench.now)  # it is not known yet that the motors stay off
+
+    def stream() -> None:
+        with suppress(CommandRefused):  # they do
+            bench.driver.set_velocity(0.0, 0.0, bench.now)
+
+    bench.run(0.4, lambda: bench.driver.set_velocity(0.3, 0.0, bench.now))
+    bench.run(1.0, stream)
+    assert "motors are off" in refusal(lambda: bench.driver.set_velocity(0.0, 0.0, bench.now))
+    at = bench.now
+    bench.run(3.0, stream)
+    assert Command.VEL not in bench.commands(since=at)
+    assert not bench.driver.is_asked_to_move
+
+
 def test_commands_are_refused_before_the_robot_is_connected(bench: "Bench") -> None:
     bench.start()
     assert "not connected" in refusal(lambda: bench.driver.set_velocity(0.1, 0.0, bench.now))

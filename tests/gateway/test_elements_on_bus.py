@@ -107,6 +107,23 @@ def test_joystick_shows_itself_when_a_hand_moves_it_and_may_drive(make_fitted: M
     assert Command.STOP not in said[said.index(Command.JOYDRIVE) :]  # nobody holds it back
 
 
+def test_a_joystick_drives_no_more_when_its_lease_ends_although_a_frame_is_lost(make_fitted: MakeFitted) -> None:
+    office = make_fitted("joystick")
+    office.run(3.0)
+    token = office.ask("lease", do="take", holder="me", seconds=20.0)["token"]
+    office.bench.robot.panel.joystick = Stick(x=0.0, y=0.75, throttle=1.0, button1=True)
+    office.run(3.0)
+    office.ask("command/joystick", on=True, token=token)
+    office.run(2.0)
+    assert office.bench.body.is_turning()
+    office.bench.deaf = True
+    office.ask("lease", do="release", token=token)
+    office.run(0.05)
+    office.bench.deaf = False
+    office.run(3.0)
+    assert not office.bench.body.is_turning()
+
+
 def test_gripper_moves_as_it_is_told_and_only_for_the_holder_of_the_lease(make_fitted: MakeFitted) -> None:
     office = make_fitted("gripper")
     office.run(1.0)

@@ -215,6 +215,29 @@ def test_doctor_finds_everything_in_order_and_leaves_the_robot_as_it_was(name: s
         assert rolled(robots, name) == pytest.approx(place, abs=1e-6)
 
 
+def test_a_gateway_whose_output_nobody_reads_any_more_serves_its_robot_also_after_it_was_lost(
+    name: str, bus: Bus
+) -> None:
+    with emulator("--robot", "p3dx-sh", "--world", "empty") as robots, ExitStack() as ending:
+        command = [sys.executable, "-m", "gateway", robots.port, "--name", f"{name}-c"]
+        process = ending.enter_context(subprocess.Popen(command, stdout=subprocess.PIPE, text=True))
+        ending.callback(process.kill)
+        assert process.stdout is not None
+        process.stdout.readline()
+        process.stdout.close()
+        watcher = Watcher(bus, f"{name}-c")
+        watcher.hear()
+        robots.ask("fault", fault="line-cut@0+3")
+        wait_until(lambda: not is_connected(bus, f"{name}-c"), "the robot is lost")
+        wait_until(lambda: is_connected(bus, f"{name}-c"), "it is found again")
+        watcher.hear()
+
+
+def is_connected(bus: Bus, robot: str) -> bool:
+    """Whether the gateway of a robot, which must answer, is connected to it."""
+    return bool(bus.query(keys.DESCRIPTION.key(robot))[0].value["connected"])
+
+
 def test_line_on_the_terminal_says_who_is_connected_and_where(name: str, plain: EmulatedRobots) -> None:
     command = [sys.executable, "-m", "gateway", plain.port, "--name", f"{name}-b"]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:

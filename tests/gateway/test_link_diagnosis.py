@@ -187,6 +187,9 @@ class _Commander:
     def command(self, give: Callable[[Driver, float], T]) -> T:
         return give(self._bench.driver, self._bench.now)
 
+    def post(self, call: Callable[[Driver, float], object]) -> None:
+        self.command(call)
+
 
 @contextmanager
 def gateway(port: str, *arguments: str) -> Iterator["subprocess.Popen[str]"]:

@@ -131,7 +131,7 @@ def test_a_commander_that_leaves_after_the_end_of_its_motion_stops_nothing(offic
     assert not any("silent" in fault for fault in office.last("state").faults)
 
 
-@pytest.mark.parametrize("key", ["tour", "*/heartbeat", "/heartbeat", "a//heartbeat", ""])
+@pytest.mark.parametrize("key", ["tour", "*/heartbeat", "/heartbeat", "a//heartbeat", "", "@x/heartbeat"])
 def test_what_is_no_key_of_a_heartbeat_is_refused(office: Office, key: str) -> None:
     assert "heartbeat" in office.refusal("command/move", distance=1.0, heartbeat=key)
     assert not office.bench.driver.is_asked_to_move

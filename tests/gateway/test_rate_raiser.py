@@ -71,6 +71,19 @@ def test_robot_whose_port_does_not_change_is_talked_to_at_the_old_rate_and_not_t
     assert bench.driver.is_connected
 
 
+def test_robot_at_a_raised_rate_is_found_again_by_a_gateway_that_was_given_one_rate(make_bench: "MakeBench") -> None:
+    bench = make_bench("p3dx-sh", rates=(9600,), settings=Settings(raise_baud_to=38400))
+    bench = SlowBench(bench.robot, bench.driver, robot_baud=9600)
+    bench.connect()
+    bench.run(3.0)
+    assert bench.driver.baud == 38400
+    bench.cut = True
+    bench.run(4.0)
+    bench.cut = False
+    bench.run_until(lambda: bench.driver.is_connected)
+    assert bench.driver.baud == 38400
+
+
 def test_robot_left_at_a_raised_rate_is_found_by_any_client_that_sweeps(
     make_slow: "MakeBench", make_bench: "MakeBench"
 ) -> None:

@@ -3,7 +3,7 @@
 import itertools
 import json
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from math import inf, nan
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -12,10 +12,14 @@ import pytest
 from bus import BusError, MemoryBus, NoAnswer, Refused, Sample, keys, messages
 from bus.exchange import RawReply, Replies
 from configs import load
+from gateway.cables.cable import ElementCable, IsWanted, PublishEvents
 from gateway.driver import Driver
+from gateway.elements.powercube.driver import PowerCubeDriver
+from gateway.errors import LineBlocked
 from gateway.robot_on_bus import RobotOnBus
 from gateway.settings import Settings
 from p2os import RobotModel
+from p2os.accessories.arm_model import ArmModel
 
 if TYPE_CHECKING:
     from tests.gateway.conftest import Bench, MakeBench
@@ -27,8 +31,10 @@ NS = 1_000_000_000
 class Office:
     """A bench whose driver is on a bus, and a client on the same bus that hears everything."""
 
-    def __init__(self, bench: "Bench", settings: Settings) -> None:
+    def __init__(self, bench: "Bench", settings: Settings, cables: Sequence[ElementCable] = ()) -> None:
         self.bench = bench
+        self.hangs = False  # the robot's port does
+        self.posted: list[Callable[[Driver, float], object]] = []
         self.heard: dict[str, list[Sample]] = {}
         bench.connect()
         gateway_bus = MemoryBus()
@@ -40,6 +46,7 @@ class Office:
             bench.driver,
             self,
             settings,
+            cables=cables,
             new_token=map("token-{}".format, itertools.count(1)).__next__,
             wall_clock=lambda: self.stamp,
         )
@@ -49,10 +56,21 @@ class Office:
         return int(self.bench.now * NS)
 
     def command(self, give: Callable[[Driver, float], T]) -> T:
+        if self.hangs:
+            raise LineBlocked("the port hangs; the command was not sent")
         try:
             return give(self.bench.driver, self.bench.now)
         finally:
             self.bench.flush()
+
+    def post(self, give: Callable[[Driver, float], object]) -> None:
+        self.posted.append(give)
+
+    def recover(self) -> None:
+        """Let the robot's port work again."""
+        self.hangs = False
+        for give in self.posted:
+            self.command(give)
 
     def run(self, seconds: float, each: Callable[[], None] | None = None) -> None:
         def tell() -> None:
@@ -80,6 +98,24 @@ class Office:
 
     def drive(self, linear: float, angular: float = 0.0, token: str = "") -> None:
         self.bus.put("happy/cmd_vel", messages.twist(linear, angular), token.encode())
+
+
+class HealthyCable:
+    """The cable of an arm, which counts how often it was told to stop."""
+
+    name = "arm"
+    bridge = None
+
+    def __init__(self) -> None:
+        self.driver = PowerCubeDriver(load(ArmModel, "accessories", "powercube-arm"))
+        self.halts = 0
+
+    def join(self, publish: PublishEvents, is_wanted: IsWanted) -> None:
+        """Nothing comes from it."""
+
+    def halt(self) -> None:
+        """Count."""
+        self.halts += 1
 
 
 @pytest.fixture
@@ -432,3 +468,18 @@ def test_nothing_is_left_on_the_bus_after_closing(office: Office) -> None:
     assert alive == {"happy/alive": False}
     with pytest.raises(NoAnswer):
         office.ask("description")
+
+
+@pytest.mark.parametrize(("command", "given"), [("stop", {}), ("estop", {"on": True})])
+def test_a_stop_reaches_a_healthy_cable_although_the_port_of_the_robot_hangs_and_the_robot_when_it_works_again(
+    make_bench: "MakeBench", command: str, given: dict[str, bool]
+) -> None:
+    cable = HealthyCable()
+    office = Office(make_bench(), Settings(), (cable,))
+    office.run(0.5, lambda: office.drive(0.3))
+    office.hangs = True
+    assert "hangs" in office.refusal(f"command/{command}", **given)
+    assert cable.halts == 1
+    office.recover()
+    assert office.bench.driver.is_estopped == (command == "estop")
+    assert not office.bench.driver.is_asked_to_move

@@ -4,7 +4,7 @@ The robot says how its servos count; in which sense, and how far the fingers ope
 Source: fact sheet of accessories, section 5.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import cache
 from math import inf, pi
 from typing import NamedTuple
@@ -12,8 +12,11 @@ from typing import NamedTuple
 from configs import load
 from gateway.elements.arm.joint_limits import JointLimits
 from gateway.elements.asked import AskedElement
+from gateway.elements.repeated_stop import RepeatedStop
 from gateway.errors import CommandRefused
-from gateway.events import ArmSeen
+from gateway.events import ArmSeen, Event
+from gateway.outbox import Outbox
+from gateway.settings import Settings
 from p2os import ArmInformation, ArmJoint, ArmReport, ArmStatus, Command, RobotModel, encode_command
 from p2os.accessories.arm_model import ArmModel
 from p2os.accessories.pioneer_arm import EVERY_JOINT, LONGEST_MS, MANUAL_CONNECTED, MANUAL_POWERED, MS
@@ -60,6 +63,11 @@ class ArmElement(AskedElement[ArmInformation | ArmReport]):
     _places: tuple[float, ...] = ()
     _moves = False
 
+    def __init__(self, outbox: Outbox, announce: Callable[[Event], None], settings: Settings) -> None:
+        """Prepare the element; arguments as those of `Element`."""
+        super().__init__(outbox, announce, settings)
+        self._stop = RepeatedStop()
+
     def begin_link(self, model: RobotModel, now: float) -> None:
         """Ask; the robot has taken the arm home and its power off, and forgotten the speeds."""
         self._is_powered = self._was_initialised = False
@@ -80,6 +88,8 @@ class ArmElement(AskedElement[ArmInformation | ArmReport]):
         elif isinstance(packet, ArmReport) and self.is_present:
             super().take(packet, now)
             self._see(packet)
+            if self._stop.is_due(self._moves, now):
+                self._put_stop()
 
     @property
     def limits(self) -> Sequence[JointLimits]:
@@ -98,6 +108,7 @@ class ArmElement(AskedElement[ArmInformation | ArmReport]):
             CommandRefused: The arm has no power.
         """
         self._check_power()
+        self._stop.end()
         for joint, place in targets.items():
             scale = self._scales[joint]
             pace = scale.usual if speed is None or scale.limits.slides else scale.pace(speed)
@@ -140,7 +151,8 @@ class ArmElement(AskedElement[ArmInformation | ArmReport]):
         """Stop every joint where it is; what stops goes first."""
         if self.is_present:
             self._drop()
-            self._outbox.put(Command.ARM_STOP, encode_command(Command.ARM_STOP, EVERY_JOINT))
+            self._put_stop()
+            self._stop.begin()
 
     def switch(self, on: bool, now: float) -> None:
         """Switch the power; off goes home first."""
@@ -179,8 +191,12 @@ class ArmElement(AskedElement[ArmInformation | ArmReport]):
 
     def _instead(self, command: Command, value: int | None) -> None:
         """Queue an order that replaces those still waiting."""
+        self._stop.end()
         self._drop()
         self._ask(command, value)
+
+    def _put_stop(self) -> None:
+        self._outbox.put(Command.ARM_STOP, encode_command(Command.ARM_STOP, EVERY_JOINT))
 
     def _drop(self) -> None:
         self._outbox.drop(

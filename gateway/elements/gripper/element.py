@@ -5,15 +5,18 @@ what: the state byte follows the sonar readings, and again in the byte after it;
 laid out as the digital inputs are.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from math import inf
 from typing import Any
 
 import configs
 from gateway.elements.asked import AskedElement
+from gateway.elements.repeated_stop import RepeatedStop
 from gateway.errors import CommandRefused
-from gateway.events import GripperJoints, GripperSeen
+from gateway.events import Event, GripperJoints, GripperSeen
+from gateway.outbox import Outbox
+from gateway.settings import Settings
 from p2os import Command, Configuration, GripperReport, StandardSip, encode_command
 from p2os.accessories.gripper import GripperFlags, GripperInput, GripperKind, GripperOrder
 from p2os.arguments import PacketRequest
@@ -60,6 +63,11 @@ class GripperElement(AskedElement[GripperReport]):
     _has_failed = False
     _moves = False
 
+    def __init__(self, outbox: Outbox, announce: Callable[[Event], None], settings: Settings) -> None:
+        """Prepare the element; arguments as those of `Element`."""
+        super().__init__(outbox, announce, settings)
+        self._stop = RepeatedStop()
+
     @property
     def faults(self) -> Sequence[str]:
         """The errors that the firmware reports."""
@@ -92,6 +100,8 @@ class GripperElement(AskedElement[GripperReport]):
             inputs = GripperInput(sip.analog_port)
             moving = bool(inputs & GripperInput.PADDLES_MOVING), bool(inputs & GripperInput.LIFT_MOVING)
         self._moves = any(moving)
+        if self._stop.is_due(self._moves, now):
+            self._put_halt()
         self._has_failed = bool(state & (GripperFlags.PADDLES_ERROR | GripperFlags.LIFT_ERROR))
         seen = GripperSeen(
             paddles_open=_only(state, GripperFlags.PADDLES_OPEN, GripperFlags.PADDLES_CLOSED),
@@ -118,6 +128,9 @@ class GripperElement(AskedElement[GripperReport]):
             raise CommandRefused(f"a gripper cannot {what!r}; use {', '.join(ORDERS)}")
         if what in STOPPING:
             self._drop()
+            self._stop.begin()
+        else:
+            self._stop.end()
         for argument in ORDERS[what]:
             kind = Command.GRIPPER, argument
             self._outbox.drop(kind)  # the latest order comes last
@@ -139,7 +152,11 @@ class GripperElement(AskedElement[GripperReport]):
         """Stop paddles and lift where they are; what stops goes first."""
         if self.is_present:
             self._drop()
-            self._outbox.put((Command.GRIPPER, GripperOrder.HALT), encode_command(Command.GRIPPER, GripperOrder.HALT))
+            self._put_halt()
+            self._stop.begin()
+
+    def _put_halt(self) -> None:
+        self._outbox.put((Command.GRIPPER, GripperOrder.HALT), encode_command(Command.GRIPPER, GripperOrder.HALT))
 
     def _drop(self) -> None:
         """Take back the orders that still wait."""

@@ -4,8 +4,15 @@ An empty socket may read as a stick at rest. So the robot is asked for a packet 
 hand has moved the stick, or if the settings know that there is one.
 """
 
+from collections.abc import Callable
+
 from gateway.elements.asked import AskedElement
-from p2os import Command, JoystickReport, RobotModel, encode_command
+from gateway.elements.repeated_stop import RepeatedStop
+from gateway.events import Event
+from gateway.motion_in_progress import is_at_rest
+from gateway.outbox import Outbox
+from gateway.settings import Settings
+from p2os import Command, JoystickReport, RobotModel, StandardSip, encode_command
 from p2os.arguments import PacketRequest
 
 LOOK_PERIOD = 2.0
@@ -15,12 +22,17 @@ REST = 0.02
 
 
 class JoystickElement(AskedElement[JoystickReport]):
-    """is_present: it was moved, or the settings say so."""
+    """is_present: it was moved, or the settings say so. drives: it may drive the robot."""
 
     takes = (JoystickReport,)
     question = Command.JOYREQUEST, PacketRequest.ONE
     stream = Command.JOYREQUEST, PacketRequest.CONTINUOUS
-    _drives = False
+
+    def __init__(self, outbox: Outbox, announce: Callable[[Event], None], settings: Settings) -> None:
+        """Prepare the element; arguments as those of `Element`."""
+        super().__init__(outbox, announce, settings)
+        self.drives = False
+        self._stop = RepeatedStop()
 
     def begin_link(self, model: RobotModel, now: float) -> None:
         """Ask, unless the settings know that there is none."""
@@ -40,20 +52,31 @@ class JoystickElement(AskedElement[JoystickReport]):
 
     def let_drive(self, on: bool) -> None:
         """Let it drive the robot, or not."""
-        self._drives = on
+        self.drives = on
+        if on:
+            self._stop.end()
         self._ask(Command.JOYDRIVE, int(on))
 
     def halt(self, now: float) -> None:
         """End its driving: a stop holds against a hand on the stick as well."""
-        if self._drives:
-            self._drives = False
+        if self.drives:
+            self.drives = False
             self._outbox.drop(Command.JOYDRIVE)
-            self._outbox.put(Command.JOYDRIVE, encode_command(Command.JOYDRIVE, 0))
+            self._put_end()
+            self._stop.begin()
+
+    def see(self, sip: StandardSip, now: float) -> None:
+        """End its driving again while the wheels still turn."""
+        if self._stop.is_due(not is_at_rest(sip), now):
+            self._put_end()
 
     def lose_link(self) -> None:
         """End its driving, as the CLOSE of the next link does."""
         super().lose_link()
-        self._drives = False
+        self.drives = False
+
+    def _put_end(self) -> None:
+        self._outbox.put(Command.JOYDRIVE, encode_command(Command.JOYDRIVE, 0))
 
 
 def _is_held(report: JoystickReport) -> bool:

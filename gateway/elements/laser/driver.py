@@ -122,7 +122,7 @@ class LaserDriver:
         self._scan_at = 0.0
         self._is_polluted = False
         self._is_sending = False
-        self._refused = ""
+        self._refused: list[str] = []
         self.baud = RATES[0] if has_rate else 0
         self.deadline = inf
         self.has_port = False
@@ -196,7 +196,7 @@ class LaserDriver:
         """Return what is wrong with the laser, a sentence each."""
         if not self.is_connected:
             return ["the laser does not answer" if self.has_port else "the laser's port is gone"]
-        found = [self._refused] if self._refused else []
+        found = list(self._refused)
         return [*found, "the laser's window is dirty"] if self._is_polluted else found
 
     def figures(self) -> Mapping[str, Any]:
@@ -319,7 +319,7 @@ class LaserDriver:
 
     def _set_variant(self) -> _Script:
         wanted = self._variant
-        self._refused = ""
+        self._refused.clear()
         answer = yield _LmsRequest(encode(LmsRequestCode.STATUS), LmsAnswerCode.STATUS, ANSWER_WINDOW)
         self.variant = Variant.read(LmsAnswerCode.STATUS, answer.data)
         if self.variant != wanted:
@@ -329,7 +329,9 @@ class LaserDriver:
             self.variant = Variant.read(LmsAnswerCode.VARIANT, answer.data)
             if answer.data[0] != ACCEPTED:
                 degrees = f"{wanted.angle_deg} degrees by {wanted.resolution_cdeg / 100:g}"
-                self._refused = f"the laser does not scan {degrees}; change angle_deg or resolution_deg in its settings"
+                self._refused.append(
+                    f"the laser does not scan {degrees}; change angle_deg or resolution_deg in its settings"
+                )
 
     def _configure(self) -> _Script:
         answer = yield _LmsRequest(encode(LmsRequestCode.GET_CONFIGURATION), LmsAnswerCode.CONFIGURATION, ANSWER_WINDOW)
@@ -339,10 +341,16 @@ class LaserDriver:
         )
         if wanted != self.configuration:
             yield _LmsRequest(INSTALL, LmsAnswerCode.MODE, ANSWER_WINDOW)
-            yield _LmsRequest(
+            answer = yield _LmsRequest(
                 encode(LmsRequestCode.SET_CONFIGURATION, wanted.pack()), LmsAnswerCode.CONFIGURED, CONFIGURING_WINDOW
             )
-            self.configuration = wanted
+            if answer.data[:1] == bytes([ACCEPTED]):
+                self.configuration = wanted
+            else:
+                self._refused.append(
+                    "the laser refuses the unit or the reflector bits of its settings, and keeps its own; "
+                    "change unit or reflector_bits"
+                )
 
     def _take_scan(self, telegram: LmsTelegram, now: float) -> None:
         if telegram.code == LmsAnswerCode.MODE:

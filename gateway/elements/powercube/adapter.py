@@ -11,6 +11,9 @@ from p2os.accessories.arm_model import ArmModel
 
 T = TypeVar("T")
 
+CABLE_PATIENCE = 0.05
+"""Seconds to wait for the arm's cable: the caller has the robot's lock, and a stop of the robot waits meanwhile."""
+
 
 class _PowerCubeAdapter(ArmAdapter):
     """`<robot>/arm` and `command/arm` of the PowerBot's arm, on a cable of its own."""
@@ -30,7 +33,7 @@ class _PowerCubeAdapter(ArmAdapter):
         return limits
 
     def _call(self, call: Callable[[ArmCommands, float], T], now: float) -> T:
-        result: T = self._arm.bridge.command(call)
+        result: T = self._arm.bridge.command(call, CABLE_PATIENCE)
         return result
 
 

@@ -8,11 +8,20 @@ from configs import ConfigError
 from gateway.elements.laser.driver import RATES, LaserDriver
 from gateway.events import ElementFound, ElementLost, ElementSilent, LaserScanned
 from gateway.settings import LaserSettings, LaserUnit
-from p2os.accessories.lms import MODE_OF_BAUD, LmsMode, LmsRequestCode, Variant
+from p2os.accessories.lms import MODE_OF_BAUD, LmsAnswerCode, LmsMode, LmsRequestCode, Variant
 from p2os.accessories.lms_framing import encode
+from p2os_emu.accessories.lms200 import Lms200
 
 if TYPE_CHECKING:
     from tests.gateway.cables.conftest import LaserBench, MakeLaserBench
+
+
+class StubbornLaser(Lms200):
+    """It refuses every configuration."""
+
+    def _configure(self, inside: bytes) -> None:
+        self._answer(LmsAnswerCode.CONFIGURED, self.configuration.answer(accepted=False))
+
 
 SCANNING = encode(LmsRequestCode.MODE, bytes((LmsMode.CONTINUOUS,)))
 
@@ -66,6 +75,21 @@ def test_it_sets_the_laser_up_as_the_settings_want_it(make_laser_bench: "MakeLas
     assert scan.scan.unit.metres == 0.01
     assert bench.laser.configuration.measuring_mode == 1
     assert scan.configuration == bench.laser.configuration
+
+
+def test_a_laser_that_refuses_its_configuration_is_read_by_its_own(
+    make_laser_bench: "MakeLaserBench",
+) -> None:
+    bench = make_laser_bench(LaserSettings(unit=LaserUnit.CENTIMETRE))
+    bench.laser = StubbornLaser(bench.laser._model, bench.laser._mount, bench.laser._body)
+    own = bench.laser.configuration
+    bench.connect()
+    bench.run(1.0)
+    assert bench.laser.configuration == bench.of(LaserScanned)[-1].configuration == own
+    assert bench.driver.faults() == [
+        "the laser refuses the unit or the reflector bits of its settings, and keeps its own; "
+        "change unit or reflector_bits"
+    ]
 
 
 def test_without_a_rate_the_laser_keeps_the_one_it_has(make_laser_bench: "MakeLaserBench") -> None:

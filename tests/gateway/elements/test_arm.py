@@ -133,6 +133,36 @@ def test_stop_takes_the_place_of_what_still_waits(powered: "Stand") -> None:
     assert told(powered) == [(Command.ARM_STOP, 255)]
 
 
+def test_stop_that_is_lost_is_repeated_until_the_arm_rests(powered: "Stand") -> None:
+    moving = ArmReport(0b10, POWERED, CENTRES)
+    arm_of(powered).move({1: 0.5}, None, powered.now)
+    powered.sent()
+    powered.element.halt(powered.now)
+    assert told(powered) == [(Command.ARM_STOP, 255)]
+    for report in (ArmReport(0, POWERED, CENTRES), moving, moving, moving):  # the first is older than the motion
+        powered.now += 0.2
+        powered.take(report)
+    assert told(powered) == [(Command.ARM_STOP, 255)]
+    powered.now += 0.2
+    powered.take(moving)
+    assert told(powered) == [(Command.ARM_STOP, 255)]
+    powered.now += 1.0
+    powered.take(ArmReport(0, POWERED, CENTRES))
+    powered.now += 0.2
+    powered.take(moving)  # by a later order of another program
+    assert told(powered) == []
+
+
+def test_stop_is_not_repeated_against_a_newer_order(powered: "Stand") -> None:
+    powered.element.halt(powered.now)
+    arm_of(powered).home(powered.now)
+    powered.sent()
+    for _ in range(5):
+        powered.now += 0.2
+        powered.take(ArmReport(0b10, POWERED, CENTRES))
+    assert told(powered) == []
+
+
 def test_orders_become_the_robots_commands(powered: "Stand") -> None:
     arm = arm_of(powered)
     arm.home(powered.now)

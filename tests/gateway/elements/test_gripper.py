@@ -1,3 +1,4 @@
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import pytest
@@ -6,6 +7,7 @@ from gateway.elements.gripper.element import ORDERS, GripperElement
 from gateway.errors import CommandRefused
 from gateway.events import GripperJoints, GripperSeen
 from p2os import Command, Configuration, GripperReport, StandardSip
+from p2os.accessories.gripper import GripperFlags
 
 if TYPE_CHECKING:
     from tests.gateway.elements.conftest import MakeStand, Stand
@@ -126,6 +128,29 @@ def test_halt_takes_back_what_waits_and_stops_paddles_and_lift(stand: "Stand") -
     element.order("deploy")
     element.halt(stand.now)
     assert [(command.command, command.value) for command in stand.sent()] == [(Command.GRIPPER, 15)]
+
+
+@pytest.mark.parametrize("stop", [lambda element, now: element.halt(now), lambda element, now: element.order("stop")])
+def test_halt_that_is_lost_is_repeated_until_paddles_and_lift_rest(
+    stand: "Stand", stop: Callable[[GripperElement, float], None]
+) -> None:
+    stand.connect()
+    stand.take(GripperReport(kind=1, state=0, grasp_time=0.2))
+    element = stand.element
+    assert isinstance(element, GripperElement)
+    element.order("up")
+    stop(element, stand.now)
+    stand.sent()
+    for _ in range(3):
+        stand.now += 0.1
+        stand.see(StandardSip(gripper_state=GripperFlags.LIFT_MOVING))
+    assert [(command.command, command.value) for command in stand.sent()] == [(Command.GRIPPER, 15)]
+    element.order("up")
+    stand.sent()
+    for _ in range(5):
+        stand.now += 0.1
+        stand.see(StandardSip(gripper_state=GripperFlags.LIFT_MOVING))
+    assert stand.sent() == []
 
 
 @pytest.mark.parametrize(("what", "arguments"), [("stop", [3, 6]), ("halt", [15])])
