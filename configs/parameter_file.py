@@ -5,6 +5,7 @@ encoders and firmware: those come from the model of `configs/robots` that it nam
 """
 
 import difflib
+import math
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
@@ -185,6 +186,6 @@ def _numbers(row: Row, count: int) -> list[float]:
         numbers = [float(word) for word in words[1 : count + 1]]
     except ValueError:
         numbers = []
-    if len(numbers) < count:
+    if len(numbers) < count or not all(map(math.isfinite, numbers)):
         raise ParameterError(f"line {line}: {words[0]} needs {count} numbers, not {' '.join(words[1:]) or 'nothing'}")
     return numbers

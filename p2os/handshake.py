@@ -10,10 +10,8 @@ from typing import NamedTuple
 from p2os.command_table import Command
 from p2os.errors import LocalProtocolError
 from p2os.framing import encode_frame
+from p2os.robot_model import MAX_NAME
 from p2os.sip import SIP_TYPES
-
-MAX_NAME = 19
-"""Characters in each of the three strings: two well-known drivers copy them into 20 bytes."""
 
 
 class Identity(NamedTuple):

@@ -9,6 +9,12 @@ from typing import Any, NamedTuple
 from p2os.fields import Scales
 from p2os.firmware import FIRMWARES, Family, FlashDefaults
 
+SMALLEST, LARGEST = 1e-4, 1e6
+"""Bounds of what must be above zero, and of any number, in its unit: numbers beyond them are typing errors."""
+MAX_NAME = 19
+"""Characters in each of the three strings of a SYNC2 answer: two well-known drivers copy them into 20 bytes."""
+MAX_BUMPERS = 7
+"""Segments at either end: each has a bit in the SIP."""
 SONAR_ARRAYS, SONAR_ARRAY_SIZE = 4, 8
 """Sonar arrays of a controller, and the numbers in each."""
 ACTIVE_LOW = 1
@@ -108,34 +114,35 @@ class RobotModel:
 
         Raises:
             ValueError: A key is missing, unknown or of the wrong type; the message names it and the nearest known key.
+            ValueError: A value is one that no robot has; the message names it and its key.
         """
         row = _Table(table, "")
         firmware = row.choice("firmware", Family)
         model = cls(
-            name=row.text("name"),
-            robot_class=row.text("robot_class"),
+            name=row.identity("name"),
+            robot_class=row.identity("robot_class"),
             firmware=firmware,
-            battery_nominal=row.number("battery_nominal_v"),
-            mass=row.number("mass_kg"),
-            radius=row.number("radius_m"),
-            width=row.number("width_m"),
-            length=row.number("length_m"),
-            length_front=row.number("length_front_m"),
-            length_rear=row.number("length_rear_m"),
-            max_velocity=row.number("max_velocity_m_s"),
-            max_rotation=radians(row.number("max_rotation_deg_s")),
-            wheel_track=row.number("wheel_track_m"),
-            wheel_diameter=row.number("wheel_diameter_m"),
-            ticks_per_metre=row.number("ticks_per_m"),
-            vel2_unit=row.number("vel2_m_s_per_count"),
+            battery_nominal=row.number("battery_nominal_v", SMALLEST),
+            mass=row.number("mass_kg", SMALLEST),
+            radius=row.number("radius_m", SMALLEST),
+            width=row.number("width_m", SMALLEST),
+            length=row.number("length_m", SMALLEST),
+            length_front=row.number("length_front_m", SMALLEST),
+            length_rear=row.number("length_rear_m", SMALLEST),
+            max_velocity=row.number("max_velocity_m_s", SMALLEST),
+            max_rotation=radians(row.number("max_rotation_deg_s", SMALLEST)),
+            wheel_track=row.number("wheel_track_m", SMALLEST),
+            wheel_diameter=row.number("wheel_diameter_m", SMALLEST),
+            ticks_per_metre=row.number("ticks_per_m", SMALLEST),
+            vel2_unit=row.number("vel2_m_s_per_count", SMALLEST),
             scales=Scales(
-                distance=row.number("distance_m_per_count"),
-                velocity=row.number("velocity_m_s_per_count"),
-                range=row.number("range_m_per_count"),
+                distance=row.number("distance_m_per_count", SMALLEST),
+                velocity=row.number("velocity_m_s_per_count", SMALLEST),
+                range=row.number("range_m_per_count", SMALLEST),
             ),
-            front_bumpers=row.integer("front_bumpers"),
-            rear_bumpers=row.integer("rear_bumpers"),
-            sonar=tuple(SonarDisc(int(n), x, y, radians(heading)) for n, x, y, heading in row.rows("sonar", 4)),
+            front_bumpers=row.bumpers("front_bumpers"),
+            rear_bumpers=row.bumpers("rear_bumpers"),
+            sonar=_sonar(row),
             request_io_packets=row.flag("request_io_packets"),
             table_sensing_ir=row.flag("table_sensing_ir"),
             new_table_sensing_ir=row.flag("new_table_sensing_ir"),
@@ -147,10 +154,21 @@ class RobotModel:
             full_name=row.text("full_name") if row.has("full_name") else row.text("name"),
             power_ports=row.flag("power_ports") if row.has("power_ports") else False,
             parts=row.table("parts").texts(),
-            height=row.number("height_m") if row.has("height_m") else 0.0,
+            height=row.number("height_m", 0.0) if row.has("height_m") else 0.0,
         )
         row.finish()
         return model
+
+
+def _sonar(row: "_Table") -> tuple[SonarDisc, ...]:
+    discs: dict[float, SonarDisc] = {}
+    for number, x, y, heading in row.rows("sonar", 4):
+        if number not in range(SONAR_ARRAYS * SONAR_ARRAY_SIZE):
+            raise ValueError(f"sonar numbers must be from 0 to {SONAR_ARRAYS * SONAR_ARRAY_SIZE - 1}, not {number:g}")
+        if number in discs:
+            raise ValueError(f"sonar has the number {number:g} twice; give each disc a number of its own")
+        discs[number] = SonarDisc(int(number), x, y, radians(heading))
+    return tuple(discs.values())
 
 
 def _laser(row: "_Table") -> LaserMount:
@@ -225,11 +243,28 @@ class _Table:
         """Read every key as a text."""
         return {key: self.text(key) for key in self._table}
 
-    def number(self, key: str) -> float:
-        return float(self._get(key, (int, float), "a number"))
+    def identity(self, key: str) -> str:
+        """Read a text that the robot answers to SYNC2."""
+        text = self.text(key)
+        if not 1 <= len(text) <= MAX_NAME or "\0" in text:
+            raise ValueError(f"{self._path}{key} must have 1 to {MAX_NAME} characters, none of them NUL, not {text!r}")
+        return text
+
+    def number(self, key: str, least: float = -LARGEST) -> float:
+        value = self._get(key, (int, float), "a number")
+        if not least <= value <= LARGEST:
+            raise ValueError(f"{self._path}{key} must be a number from {least:g} to {LARGEST:g}, not {value}")
+        return float(value)
 
     def integer(self, key: str) -> int:
         return int(self._get(key, int, "a whole number"))
+
+    def bumpers(self, key: str) -> int:
+        """Read a number of bumper segments."""
+        count = self.integer(key)
+        if not 0 <= count <= MAX_BUMPERS:
+            raise ValueError(f"{self._path}{key} must be from 0 to {MAX_BUMPERS}, not {count}")
+        return count
 
     def flag(self, key: str) -> bool:
         return bool(self._get(key, bool, "true or false"))
@@ -277,7 +312,7 @@ class _Table:
 
 
 def _is_number(value: object) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool)
+    return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) <= LARGEST
 
 
 def check_model(model: object) -> None:

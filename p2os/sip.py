@@ -13,7 +13,7 @@ from typing import Annotated, Any, NamedTuple
 from p2os.errors import DecodeError, EncodeError
 from p2os.fields import HEADING_UNITS, POSITION_UNITS, Ceiling, Field, Quantity, Ring, Scales, fields_of
 from p2os.firmware import FIRMWARES
-from p2os.robot_model import RobotModel, check_model
+from p2os.robot_model import MAX_BUMPERS, RobotModel, check_model
 
 STOPPED = 0x32
 MOVING = 0x33
@@ -61,7 +61,7 @@ LEFT_STALL = 1 << 0
 RIGHT_STALL = 1 << 8
 REAR_BUMPERS_SHIFT = 1
 FRONT_BUMPERS_SHIFT = 9
-BUMPER_SEGMENTS = 0x7F
+BUMPER_SEGMENTS = (1 << MAX_BUMPERS) - 1
 
 
 class ChargeState(IntEnum):

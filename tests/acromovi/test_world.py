@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+import configs
 from acromovi.__main__ import main
 from p2os_emu.program import EmulatedRobots, emulator
 
@@ -91,6 +92,16 @@ def test_robots_come_and_go(asked: Asked) -> None:
     assert asked("remove", "bob")[1] == "removed bob\n"
     assert asked("remove", "bob")[2] == "acromovi world: there is no robot 'bob'; choose one of anna\n"
     assert asked("add", "p2dx", "--heading", "1")[2] == "acromovi world: --heading needs --at\n"
+
+
+def test_a_model_that_no_robot_has_is_refused_and_the_emulator_runs_on(asked: Asked, tmp_path: Path) -> None:
+    model = tmp_path / "mine.toml"
+    known = configs.find("robots", "p3dx").read_text(encoding="utf-8")
+    model.write_text(known.replace('name = "p3dx"', f'name = "{"x" * 20}"'), encoding="utf-8")
+    code, _, error = asked("add", str(model), "--name", "bob")
+    assert (code, error.count("\n")) == (1, 1)
+    assert error.startswith(f"acromovi world: {model}: name must have 1 to 19 characters")
+    assert asked("truth", "anna")[0] == 0
 
 
 def test_doors_people_and_objects_are_listed(asked: Asked) -> None:

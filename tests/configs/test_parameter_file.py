@@ -120,13 +120,17 @@ def test_units_and_name_give_the_firmware_away(
     [
         ("SonarUnit 3 114 x 50", "line 2: SonarUnit needs 4 numbers, not 3 114 x 50"),
         ("RobotRadius", "line 2: RobotRadius needs 1 numbers, not nothing"),
+        ("SonarUnit inf 114 119 50", "line 2: SonarUnit needs 4 numbers, not inf 114 119 50"),
+        ("SonarUnit 32 114 119 50", "sonar numbers must be from 0 to 31, not 32"),
+        ("RobotWidth 0", "width_m must be a number from 0.0001 to 1e\\+06, not 0.0"),
+        ("Subclass a-pioneer-of-our-workshop", "name must have 1 to 19 characters, .* not 'a-pioneer-of-our"),
         ("DiffConvFactor 0", "line 2: DiffConvFactor must be above zero, not 0"),
         ("Section Laser parameters\nLaserType lms2xx\nLaserIgnore here", "LaserIgnore 'here' is no bearing"),
     ],
 )
 def test_a_wrong_line_is_named(load: Load, line: str, says: str) -> None:
     with pytest.raises(ConfigError, match=says):
-        load(f"Subclass p3dx\n{line}\n")
+        load(f"{line}\nSubclass p3dx\n" if line.startswith("Subclass") else f"Subclass p3dx\n{line}\n")
 
 
 def test_a_file_without_a_subclass_is_refused(load: Load) -> None:

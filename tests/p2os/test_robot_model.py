@@ -1,6 +1,6 @@
 import re
 from collections.abc import Callable
-from math import pi, radians
+from math import inf, nan, pi, radians
 from typing import Any
 
 import pytest
@@ -124,6 +124,60 @@ def test_a_file_may_change_what_the_firmware_ships_with(table: dict[str, Any]) -
     ],
 )
 def test_a_table_with_an_error_is_refused_in_a_sentence(
+    table: dict[str, Any], changes: dict[str, Any], message: str
+) -> None:
+    with pytest.raises(ValueError, match=f"^{re.escape(message)}"):
+        RobotModel.from_table(table | changes)
+
+
+SIZES = [
+    "battery_nominal_v",
+    "mass_kg",
+    "radius_m",
+    "width_m",
+    "length_m",
+    "length_front_m",
+    "length_rear_m",
+    "max_velocity_m_s",
+    "max_rotation_deg_s",
+    "wheel_track_m",
+    "wheel_diameter_m",
+    "ticks_per_m",
+    "vel2_m_s_per_count",
+    "distance_m_per_count",
+    "velocity_m_s_per_count",
+    "range_m_per_count",
+]
+
+
+@pytest.mark.parametrize("value", [0, -0.5, 1e-9, inf, nan])
+@pytest.mark.parametrize("key", SIZES)
+def test_a_size_that_no_robot_has_is_refused_with_its_key(table: dict[str, Any], key: str, value: float) -> None:
+    with pytest.raises(
+        ValueError, match=f"^{key} must be a number from 0.0001 to 1e\\+06, not {re.escape(str(value))}$"
+    ):
+        RobotModel.from_table(table | {key: value})
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"mass_kg": 10**400}, "mass_kg must be a number from 0.0001 to 1e+06, not 1000000"),
+        ({"name": "x" * 20}, f"name must have 1 to 19 characters, none of them NUL, not '{'x' * 20}'"),
+        ({"name": ""}, "name must have 1 to 19 characters, none of them NUL, not ''"),
+        ({"robot_class": "Pioneer\0"}, "robot_class must have 1 to 19 characters, none of them NUL, not 'Pioneer"),
+        ({"sonar": [[32, 0.1, 0.1, 0.0]]}, "sonar numbers must be from 0 to 31, not 32"),
+        ({"sonar": [[-1, 0.1, 0.1, 0.0]]}, "sonar numbers must be from 0 to 31, not -1"),
+        ({"sonar": [[1.5, 0.1, 0.1, 0.0]]}, "sonar numbers must be from 0 to 31, not 1.5"),
+        ({"sonar": [[3, 0.1, 0.1, 0.0], [3, 0.2, 0.1, 0.0]]}, "sonar has the number 3 twice"),
+        ({"sonar": [[inf, 0.1, 0.1, 0.0]]}, "sonar must hold rows of 4 numbers, not [inf, "),
+        ({"ir": [[inf, 1, 2, 0.1, 0.1]]}, "ir must hold rows of 5 numbers, not [inf, "),
+        ({"front_bumpers": 8}, "front_bumpers must be from 0 to 7, not 8"),
+        ({"rear_bumpers": -1}, "rear_bumpers must be from 0 to 7, not -1"),
+        ({"height_m": -1.0}, "height_m must be a number from 0 to 1e+06, not -1.0"),
+    ],
+)
+def test_a_value_that_no_robot_has_is_refused_with_its_key(
     table: dict[str, Any], changes: dict[str, Any], message: str
 ) -> None:
     with pytest.raises(ValueError, match=f"^{re.escape(message)}"):

@@ -346,6 +346,17 @@ def test_error_in_a_world_file_names_file_line_and_reason(tmp_path: Path, capsys
     assert "line 2" in said
 
 
+def test_value_of_a_model_that_no_robot_has_is_one_sentence_and_an_exit_code(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    model = tmp_path / "mine.p"
+    model.write_text("Subclass a-pioneer-of-our-workshop\n")
+    assert main(["--robot", f"{model}:happy", "--world", "empty", "--duration", "0.1"]) == 3
+    said = capsys.readouterr().err
+    assert said.startswith(f"p2os-emu: {model}: name must have 1 to 19 characters")
+    assert said.count("\n") == 1
+
+
 @pytest.mark.parametrize(
     ("arguments", "complaint"),
     [

@@ -5,12 +5,14 @@ import json
 import math
 from collections.abc import Iterator
 from contextlib import closing
+from pathlib import Path
 from typing import Any
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+import configs
 from geometry import Pose2D
 from p2os import Command, encode_command
 from p2os_emu.control import RequestError
@@ -223,6 +225,27 @@ def test_quit_ends_the_run(fresh: ControlRequestHandler) -> None:
     ask(fresh, "quit")
     fresh.runner.run()
     assert fresh.emulator.time == 0.0
+
+
+@pytest.mark.parametrize(
+    ("ours", "theirs", "complaint"),
+    [
+        ('name = "p3dx"', f'name = "{"x" * 20}"', "name must have 1 to 19 characters"),
+        ("[7, ", "[32, ", "sonar numbers must be from 0 to 31, not 32"),
+        ("wheel_track_m = ", "wheel_track_m = 0  # ", "wheel_track_m must be a number from 0.0001"),
+    ],
+)
+def test_model_that_no_robot_has_is_refused_and_the_emulator_runs_on(
+    desk: ControlRequestHandler, tmp_path: Path, ours: str, theirs: str, complaint: str
+) -> None:
+    text = configs.find("robots", "p3dx").read_text(encoding="utf-8")
+    assert ours in text
+    model = tmp_path / "mine.toml"
+    model.write_text(text.replace(ours, theirs), encoding="utf-8")
+    with pytest.raises(RequestError, match=f"mine.toml: {complaint}"):
+        desk.answer({"do": "add", "model": str(model), "name": "anna"})
+    desk.emulator.step()
+    assert "anna" not in ask(desk, "truth")["robots"]
 
 
 @pytest.mark.parametrize(

@@ -11,7 +11,9 @@ from pathlib import Path
 
 import pytest
 
+import configs
 from acromovi.__main__ import main
+from acromovi.team.check import check_team
 from acromovi.team.identities import TeamOptions
 from acromovi.team.plan import TeamPlan, TeamProcesses
 from configs import ConfigError
@@ -100,6 +102,16 @@ def test_a_check_reports_every_problem_at_once(file: Path, tmp_path: Path, capsy
     assert f"doc and grumpy are on one port, {tmp_path}/port" in problems
     assert "lazer" in problems
     assert found["notes"] == [f"grumpy: its laser: there is no port {tmp_path}/absent now; it would be waited for"]
+
+
+def test_a_check_refuses_a_model_that_no_robot_has(file: Path, tmp_path: Path) -> None:
+    model = tmp_path / "mine.toml"
+    known = configs.find("robots", "p2dx").read_text(encoding="utf-8")
+    model.write_text(known.replace("wheel_track_m = ", "wheel_track_m = 0  # "), encoding="utf-8")
+    file.write_text(file.read_text().replace('"p2dx"', f'"{model}"'))
+    assert check_team(str(file), ("grumpy",), "lan").problems == [
+        f"grumpy: {model}: wheel_track_m must be a number from 0.0001 to 1e+06, not 0"
+    ]
 
 
 def test_a_check_names_the_program_that_uses_a_port(file: Path, capsys: pytest.CaptureFixture[str]) -> None:
