@@ -64,6 +64,7 @@ def _run(arguments: argparse.Namespace) -> int:
     """Build; return the exit code."""
     from acromovi.mapping.save import fetched, mapping_agent
     from bus.session import ZenohBus
+    from configs.extras import require
     from maps.map_files import write_building_map
 
     robots = list(dict.fromkeys(arguments.robots))
@@ -73,6 +74,8 @@ def _run(arguments: argparse.Namespace) -> int:
     if arguments.at and not arguments.extend:
         print("acromovi map build: --at is a place in the map of --extend; add that", file=sys.stderr)
         return 2
+    if arguments.picture is not None:
+        require("pictures of maps", "plots")
     with ZenohBus.open(arguments.bus) as bus:
         agents = {robot: mapping_agent(bus, robot) for robot in robots}
 
@@ -124,7 +127,7 @@ async def _build(bus: "Bus", agents: dict[str, "AgentName"], arguments: argparse
                     if outcome.is_done and arguments.save is None:
                         _tell(arguments, f"to write it: acromovi map save {robot} FILE.map")
                 await asyncio.sleep(LOOK / 2)  # for the last maps
-                _draw(arguments.picture, grids, team)
+                _draw(arguments, grids, team)
 
 
 def _begin(arguments: argparse.Namespace) -> dict[str, Any]:
@@ -158,7 +161,7 @@ async def _follow(
             return "time"
         if now - drawn > PICTURE_PERIOD:
             drawn = now
-            _draw(arguments.picture, grids, team)
+            _draw(arguments, grids, team)
         await asyncio.sleep(LOOK)
 
 
@@ -191,17 +194,24 @@ def _tell(arguments: argparse.Namespace, words: str) -> None:
         print(words, flush=True)
 
 
-def _draw(picture: Path | None, grids: "LiveGrids", team: "ExploringTeam | None") -> None:
-    """Draw the first robot's map so far."""
-    if picture is None:
+def _draw(arguments: argparse.Namespace, grids: "LiveGrids", team: "ExploringTeam | None") -> None:
+    """Draw the first robot's map so far. That a picture cannot be drawn is reported once; the map is built anyway."""
+    if arguments.picture is None:
         return
     from acromovi.mapping.picture import draw_map
     from maps.building_map import BuildingMap
 
     robot, grid, robots = grids.first()
-    if grid is not None:
-        target = None if team is None else team.targets.get(robot)
-        draw_map(picture, BuildingMap(grid=grid), f"map of {robot}", robots, () if target is None else (target,))
+    if grid is None:
+        return
+    target = None if team is None else team.targets.get(robot)
+    targets = () if target is None else (target,)
+    try:
+        draw_map(arguments.picture, BuildingMap(grid=grid), f"map of {robot}", robots, targets)
+    except (ValueError, OSError) as err:
+        if not getattr(arguments, "complained", False):
+            print(f"acromovi map build: {arguments.picture} cannot be drawn: {err}", file=sys.stderr, flush=True)
+        arguments.complained = True
 
 
 COMMAND = Subcommand(EPILOG, _add_arguments, _run)

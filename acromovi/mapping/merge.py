@@ -20,7 +20,7 @@ some seconds.
 With --json the output is one object: pose (m, m, rad) of the second map in the first, agrees (share of its walls that
 lie on walls of the first), against (share of walls where the other map has seen free floor), files.
 
-Exit codes: 0 joined, 1 not (the reason is on stderr), 2 wrong usage.
+Exit codes: 0 joined, 1 not, or the picture cannot be drawn (the reason is on stderr), 2 wrong usage.
 """
 
 
@@ -35,9 +35,12 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
 def _run(arguments: argparse.Namespace) -> int:
     """Join them; return the exit code."""
     from acromovi.mapping.picture import draw_map
+    from configs.extras import require
     from maps.building.merging import NoOverlap, merged
     from maps.map_files import read_building_map, write_building_map
 
+    if arguments.picture is not None:
+        require("pictures of maps", "plots")
     first, second = read_building_map(arguments.first), read_building_map(arguments.second)
     try:
         made, placement = merged(first, second)
@@ -45,8 +48,6 @@ def _run(arguments: argparse.Namespace) -> int:
         print(f"acromovi map merge: {arguments.first} and {arguments.second}: {err}", file=sys.stderr)
         return 1
     files = [str(file) for file in write_building_map(made, arguments.out)]
-    if arguments.picture is not None:
-        draw_map(arguments.picture, made, f"{arguments.first.name} and {arguments.second.name}")
     pose = placement.pose
     told = {
         "pose": [round(pose.x, 4), round(pose.y, 4), round(pose.heading, 5)],
@@ -61,6 +62,12 @@ def _run(arguments: argparse.Namespace) -> int:
             f"{', '.join(files)}: {arguments.second} lies at x {pose.x:.2f} m, y {pose.y:.2f} m, turned by "
             f"{pose.heading:.3f} rad; {placement.agrees:.0%} of its walls lie on walls of {arguments.first}"
         )
+    if arguments.picture is not None:
+        try:
+            draw_map(arguments.picture, made, f"{arguments.first.name} and {arguments.second.name}")
+        except (ValueError, OSError) as err:
+            print(f"acromovi map merge: {arguments.picture} cannot be drawn: {err}", file=sys.stderr)
+            return 1
     return 0
 
 

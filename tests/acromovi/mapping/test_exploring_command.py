@@ -11,14 +11,17 @@ import os
 import signal
 import sys
 import uuid
+from argparse import ArgumentParser
 from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import asynccontextmanager
 from math import cos
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
+from acromovi.mapping import build
 from agents.components.mapping.mapping_tools import grid_message
 from agents.platform import Agent, Container, request
 from bus import keys
@@ -105,12 +108,12 @@ class Played:
     def __init__(self, profile: str) -> None:
         self.mapping = PlayedMapping()
         self.interface = PlayedInterface()
-        self._profile = profile
+        self.profile = profile
 
     async def begin(self) -> asyncio.subprocess.Process:
         """Start the command, and wait for its first mission."""
         process = await asyncio.create_subprocess_exec(
-            *(sys.executable, "-m", "acromovi", "map", "build", "happy", "--explore", "--json", "--bus", self._profile),
+            *(sys.executable, "-m", "acromovi", "map", "build", "happy", "--explore", "--json", "--bus", self.profile),
             cwd=ROOT,
             stdout=asyncio.subprocess.PIPE,
             stderr=asyncio.subprocess.PIPE,
@@ -158,6 +161,30 @@ def test_a_robot_is_sent_to_openings_by_its_odometry_until_it_has_seen_them() ->
         assert sides == {(-3, -1), (1, 1)}, "odom is 1 m to the right of map, and it looks out of each opening"
 
     play(story)
+
+
+def test_a_robot_explores_on_though_no_picture_can_be_drawn_which_is_reported_once(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(build, "PICTURE_PERIOD", 0.0)
+    (tmp_path / ".live.png.part.png").mkdir()
+    parser, run = ArgumentParser(), build.COMMAND.run
+    assert run is not None
+    build.COMMAND.add_arguments(parser)
+
+    async def story(at: Played) -> None:
+        words = ["happy", "--explore", "--picture", str(tmp_path / "live.png"), "--bus", at.profile]
+        building = asyncio.create_task(asyncio.to_thread(run, parser.parse_args(words)))
+        while not building.done():
+            at.interface.standing = "done"
+            await asyncio.sleep(0.05)
+        assert await building == 0
+        assert at.mapping.ended == 1
+
+    play(story)
+    err = capsys.readouterr().err
+    assert err.startswith(f"acromovi map build: {tmp_path}/live.png cannot be drawn: ")
+    assert err.count("\n") == 1
 
 
 @pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGSTOP])

@@ -1,6 +1,7 @@
 """`acromovi map`: files are joined and drawn, and mistakes are told in sentences."""
 
 import json
+import sys
 from pathlib import Path
 
 import pytest
@@ -40,6 +41,40 @@ def test_two_maps_are_joined_and_drawn(lab: Path, tmp_path: Path, capsys: pytest
     assert told["pose"] == pytest.approx([3.0, 1.0, 1.2], abs=0.06)
     assert read_building_map(out).home == Pose2D(2.0, 2.0)
     assert picture.read_bytes().startswith(PNG)
+
+
+@pytest.fixture
+def two(lab: Path, tmp_path: Path) -> list[str]:
+    """A map and a part of it, for `merge`."""
+    part = BuildingMap(tuple(line for line in ring() if min(line.x1, line.x2) > 2.0))
+    return [str(lab), str(write_building_map(part, tmp_path / "part.map")[0])]
+
+
+def test_a_picture_that_cannot_be_drawn_is_reported_after_the_joined_map(
+    two: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    picture = tmp_path / "all.png"
+    (tmp_path / ".all.png.part.png").mkdir()
+    assert main(["map", "merge", *two, str(tmp_path / "all.map"), "--picture", str(picture), "--json"]) == 1
+    printed = capsys.readouterr()
+    assert json.loads(printed.out)["files"] == [str(tmp_path / "all.map")]
+    assert printed.err.startswith(f"acromovi map merge: {picture} cannot be drawn: ")
+    assert printed.err.count("\n") == 1
+
+
+@pytest.mark.parametrize("command", ["merge", "build"])
+def test_pictures_need_their_extra_before_anything_starts(
+    command: str,
+    two: list[str],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.setitem(sys.modules, "matplotlib", None)
+    given = {"merge": [*two, str(tmp_path / "all.map")], "build": ["happy", "--bus", f"local:{tmp_path.name}"]}
+    assert main(["map", command, *given[command], "--picture", str(tmp_path / "all.png")]) == 1
+    assert capsys.readouterr().err.startswith("acromovi map: pictures of maps needs the extra plots, not installed")
+    assert not (tmp_path / "all.map").exists()
 
 
 def test_maps_that_do_not_fit_are_not_joined(lab: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
