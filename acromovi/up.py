@@ -110,7 +110,7 @@ def _check(arguments: argparse.Namespace) -> int:
     """Check a team, and print what was found."""
     from acromovi.team.check import check_team
 
-    found = check_team(arguments.team, arguments.only, arguments.bus)
+    found = check_team(arguments.team, arguments.only, arguments.bus, console=arguments.console is not None)
     if arguments.json:
         print(json.dumps(found.as_json()))
     elif not arguments.quiet:

@@ -148,6 +148,16 @@ class EmulatedTeam:
             raise ConfigError(f"{self._flash_source}: {error}") from error
 
 
+def check_name(name: str) -> None:
+    """Check the name of an emulated robot.
+
+    Raises:
+        ConfigError: The handshake or the bus cannot carry it.
+    """
+    if not _NAME.fullmatch(name):
+        raise ConfigError(f"robot name {name!r} will not do; use 1 to 19 letters, digits, or any of _ . + -")
+
+
 def _read_robot(text: str, taken: Container[str]) -> tuple[str, RobotModel]:
     """Find the model and choose the name.
 
@@ -164,8 +174,7 @@ def _read_robot(text: str, taken: Container[str]) -> tuple[str, RobotModel]:
     model = configs.load(RobotModel, "robots", kind)
     if not colon:
         name = _free_name(model.name, taken)
-    if not _NAME.fullmatch(name):
-        raise ConfigError(f"robot name {name!r} will not do; use 1 to 19 letters, digits, or any of _ . + -")
+    check_name(name)
     if name in taken:
         raise ConfigError(f"there is a robot {name!r} already; choose another name")
     return name, model

@@ -3,7 +3,9 @@
 import os
 from collections import defaultdict
 from collections.abc import Iterator
+from contextlib import closing
 from dataclasses import dataclass, field
+from math import radians
 from pathlib import Path
 from typing import Any
 
@@ -16,8 +18,11 @@ from configs import ConfigError
 from configs.extras import missing, needs
 from configs.team_file import TeamRobot
 from gateway.local_ports import holders
+from geometry import Pose2D
 from p2os import RobotModel
-from p2os_emu.fit import FitError, read_fit
+from p2os_emu.fit import Fit, FitError, read_fit
+from p2os_emu.links.memory import MemoryLink
+from p2os_emu.links.profile import LinkProfile
 
 
 @dataclass(slots=True)
@@ -37,13 +42,14 @@ class TeamFindings:
         return {"ok": not self.problems, "problems": self.problems, "notes": self.notes}
 
 
-def check_team(name: str, only: tuple[str, ...], bus: str) -> TeamFindings:
+def check_team(name: str, only: tuple[str, ...], bus: str, *, console: bool = False) -> TeamFindings:
     """Check a team's file, and what it needs of this machine.
 
     Args:
         name: One of `configs/teams`, or a file.
         only: The robots that are wanted; none means all.
         bus: The bus profile.
+        console: Whether the web console is wanted as well.
     """
     found = TeamFindings()
     try:
@@ -51,7 +57,9 @@ def check_team(name: str, only: tuple[str, ...], bus: str) -> TeamFindings:
     except (ConfigError, BusError) as err:
         found.problems.append(str(err))
         return found
-    found.problems += [*_extras(team), *_world(team), *_shared_ports(team), *_bus(team, bus)]
+    if console and missing("console"):
+        found.problems.append(needs("acromovi up --console", "console"))
+    found.problems += [*_extras(team), *_links(team), *_emulated(team), *_shared_ports(team), *_bus(team, bus)]
     for robot in team.robots:
         _check_robot(robot, found)
     return found
@@ -65,19 +73,41 @@ def _extras(team: TeamPlan) -> Iterator[str]:
         yield needs("a robot with a camera", "vision")
 
 
-def _world(team: TeamPlan) -> Iterator[str]:
+def _links(team: TeamPlan) -> Iterator[str]:
+    for link in dict.fromkeys([team.file.link, *(robot.link for robot in team.robots if robot.link is not None)]):
+        try:
+            configs.load(LinkProfile, "links", link)
+        except ConfigError as err:
+            yield f"{team.source}: {err}"
+
+
+def _emulated(team: TeamPlan) -> Iterator[str]:
+    """Yield what keeps emulated robots from their world. They are put into one that runs nowhere and has no ports."""
     if not team.emulated or missing("emu"):
         return
-    from p2os_emu.world import WorldError, load_world
+    from p2os_emu.emulator import Emulator
+    from p2os_emu.team import check_name
+    from p2os_emu.world import World, WorldError, load_world
 
     try:
-        load_world(team.file.world)
+        world = World(load_world(team.file.world))
     except WorldError as err:
         yield f"{team.source}: {err}"
-    try:
-        configs.find("links", team.file.link)
-    except ConfigError as err:
-        yield f"{team.source}: {err}"
+        return
+    with closing(world):
+        emulator = Emulator(world, LinkProfile("ideal"))
+        for robot in team.emulated:
+            try:
+                model, fit = _fitted(robot)
+            except (ConfigError, FitError):
+                continue  # `_check_robot` reports it
+            pose = None if robot.at_m is None else Pose2D(*robot.at_m, radians(robot.heading_deg))
+            cables = {part: MemoryLink() for part in fit.cables}
+            try:
+                check_name(robot.name)
+                emulator.add(robot.name, model, MemoryLink(), pose=pose, fit=fit, cables=cables)
+            except ValueError as err:
+                yield f"{team.source}: {err}"
 
 
 def _shared_ports(team: TeamPlan) -> Iterator[str]:
@@ -108,7 +138,7 @@ def _places(robot: TeamRobot) -> list[tuple[str, str]]:
 
 def _check_robot(robot: TeamRobot, found: TeamFindings) -> None:
     try:
-        read_fit(robot.fit, configs.load(RobotModel, "robots", robot.model))
+        _fitted(robot)
     except (ConfigError, FitError) as err:
         found.problems.append(f"{robot.name}: {err}")
     if not robot.is_emulated:
@@ -118,6 +148,10 @@ def _check_robot(robot: TeamRobot, found: TeamFindings) -> None:
     fit = f", with {', '.join(robot.fit)}" if robot.fit else ""
     settings = ", own gateway settings" if robot.gateway is not None else ""
     found.robots.append(f"{robot.name}: {robot.model} {where}{fit}{settings}")
+
+
+def _fitted(robot: TeamRobot) -> tuple[RobotModel, Fit]:
+    return read_fit(robot.fit, configs.load(RobotModel, "robots", robot.model))
 
 
 def _check_port(whose: str, place: str, found: TeamFindings) -> None:

@@ -114,6 +114,45 @@ def test_a_check_refuses_a_model_that_no_robot_has(file: Path, tmp_path: Path) -
     ]
 
 
+@pytest.mark.parametrize(
+    ("place", "says"),
+    [
+        ("at_m = [-0.1, 0.0]", r"robot 'grumpy' cannot stand at \(-0\.10, 0\.00\) m: .* is in the way"),
+        ("at_m = [6.5, 3.0]", r"robot 'grumpy' cannot stand at \(6\.50, 3\.00\) m: robot 'happy' is in the way"),
+        ("at_m = [1e6, 0.0]", r"the place \(1e\+06, 0\) m is too far away"),
+    ],
+)
+def test_a_check_tells_where_no_robot_can_stand(place: str, says: str, file: Path) -> None:
+    happy = 'name = "happy"\nat_m = [6.5, 3.0]'
+    text = file.read_text().replace('name = "happy"', happy).replace('"grumpy"', f'"grumpy"\n{place}')
+    file.write_text('world = "office"\n' + text)
+    (problem,) = check_team(str(file), (), "lan").problems
+    assert re.match(f"{re.escape(str(file))}: {says}", problem), problem
+
+
+@pytest.mark.parametrize("name", ["g" * 20, "grämpy"])
+def test_a_check_refuses_the_name_of_an_emulated_robot_as_the_emulator_does(name: str, file: Path) -> None:
+    file.write_text(file.read_text().replace("grumpy", name))
+    (problem,) = check_team(str(file), (), "lan").problems
+    assert problem.startswith(f"{file}: robot name {name!r} will not do; use 1 to 19 letters")
+
+
+def test_a_check_of_real_robots_looks_at_their_link(file: Path) -> None:
+    file.write_text('link = "rs-323"\n' + file.read_text())
+    assert check_team(str(file), ("doc",), "lan").problems == [
+        f"{file}: there is no 'rs-323' among the links; did you mean rs232?"
+    ]
+
+
+def test_a_check_needs_the_extra_of_the_console_that_is_asked_for(
+    file: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("acromovi.team.check.missing", lambda *extras: [each for each in extras if each == "console"])
+    assert main(["up", str(file), "--check"]) == 0
+    assert main(["up", str(file), "--check", "--console"]) == 1
+    assert "acromovi up --console needs the extra console" in capsys.readouterr().err
+
+
 def test_a_check_names_the_program_that_uses_a_port(file: Path, capsys: pytest.CaptureFixture[str]) -> None:
     main_end, port = os.openpty()
     name = os.ttyname(port)
