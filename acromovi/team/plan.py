@@ -24,6 +24,8 @@ if TYPE_CHECKING:
 SERVICES = "services"  # the container of the team's own agents
 SHARED_SETTINGS = "emulated.toml"  # of the gateways of emulated robots without settings of their own
 EMULATED = "emulated = true\n"
+WRITTEN = "# Written by acromovi up"
+"""Begin of files that are written for a robot, by which they are told from files of other origin."""
 
 
 class ProcessKind(IntEnum):
@@ -129,18 +131,27 @@ class TeamProcesses:
         self._choices = choices
         self._folder = folder
 
-    def write_settings(self) -> None:
-        """Write the settings of the gateways, before they start."""
-        if self._team.emulated:
-            (self._folder / SHARED_SETTINGS).write_text(EMULATED, encoding="utf-8")
+    def settings(self) -> dict[Path, str]:
+        """Return the files of settings that the gateways read, with their texts."""
+        texts = {self._folder / SHARED_SETTINGS: EMULATED} if self._team.emulated else {}
         for robot in self._team.robots:
             if text := settings_text(robot):
-                self._settings(robot).write_text(text, encoding="utf-8")
+                texts[self._settings(robot)] = text if self._shares(robot) else f"{WRITTEN}.\n{text}"
+        return texts
+
+    def write_settings(self) -> None:
+        """Write the settings of the gateways, before they start."""
+        for path, text in self.settings().items():
+            path.write_text(text, encoding="utf-8")
 
     def _settings(self, robot: TeamRobot) -> Path:
         """The file where a gateway reads its settings; that of all emulated robots, or a robot's own."""
-        has_own = robot.gateway is not None or robot.camera_calibration is not None
-        return self._folder / (f"{robot.name}.toml" if has_own or not robot.is_emulated else SHARED_SETTINGS)
+        return self._folder / (SHARED_SETTINGS if self._shares(robot) else f"acromovi-gateway-{robot.name}.toml")
+
+    @staticmethod
+    def _shares(robot: TeamRobot) -> bool:
+        """Whether the settings of a robot's gateway are those of all emulated robots."""
+        return robot.is_emulated and robot.gateway is None and robot.camera_calibration is None
 
     def emulator(self) -> PlannedProcess:
         """The process that emulates the team's emulated robots. Ports and control socket are in the folder."""

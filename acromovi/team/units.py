@@ -5,13 +5,13 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from acromovi.team.identities import TeamOptions
-from acromovi.team.plan import PlannedProcess, ProcessKind, TeamPlan, TeamProcesses
+from acromovi.team.plan import WRITTEN, PlannedProcess, ProcessKind, TeamPlan, TeamProcesses
 from configs import ConfigError
 
 RESTART_AFTER = 2  # s; a gateway waits for its robot by itself, so it ends on errors only
 ENDING_TIME = 10  # s from SIGTERM to SIGKILL; a gateway stops its robot first
 UNIT = """\
-# Written by acromovi up --units. Enable it with: systemctl --user enable --now {file}
+{written} --units. Enable it with: systemctl --user enable --now {file}
 [Unit]
 Description={description}
 {after}StartLimitIntervalSec=0
@@ -44,18 +44,17 @@ def write_units(team: TeamPlan, choices: TeamOptions, folder: Path) -> WrittenUn
         choices: Of the command line.
         folder: For the files; it is created.
     Raises:
-        ConfigError: The team has no real robot, or one of its names cannot be that of a unit.
+        ConfigError: The team has no real robot, or a file of another origin has the name of one to write; nothing is
+            written then.
         OSError: The files cannot be written.
     """
     real = [robot for robot in team.robots if not robot.is_emulated]
     if not real:
         raise ConfigError(f"{team.source}: no robot here is real, so there is nothing to start when a computer boots")
     folder = folder.absolute()
-    folder.mkdir(parents=True, exist_ok=True)
     processes = TeamProcesses(replace(team, file=replace(team.file, robots=tuple(real))), choices, folder)
-    processes.write_settings()
-    settings = [folder / f"{robot.name}.toml" for robot in real]
-    units, files = [], [path for path in settings if path.exists()]
+    texts = processes.settings()
+    units = []
     for robot in real:
         gateway = processes.gateway(robot, {})
         programs = [gateway, processes.container(robot.name)]
@@ -63,10 +62,20 @@ def write_units(team: TeamPlan, choices: TeamOptions, folder: Path) -> WrittenUn
             programs += processes.navigation(robot.name)
         for program in programs:
             file = folder / _file_of(program)
-            file.write_text(_text(program, gateway, folder, file.name), encoding="utf-8")
+            texts[file] = _text(program, gateway, folder, file.name)
             units.append(file.name)
-            files.append(file)
-    return WrittenUnits(units, files)
+    for file in texts:
+        _check_origin(file)
+    folder.mkdir(parents=True, exist_ok=True)
+    for file, text in texts.items():
+        file.write_text(text, encoding="utf-8")
+    return WrittenUnits(units, list(texts))
+
+
+def _check_origin(file: Path) -> None:
+    """Check that a file is not there, or was written by this command."""
+    if file.exists() and not file.read_bytes().startswith(WRITTEN.encode()):
+        raise ConfigError(f"{file} was not written by this command and is kept; move it, or give another folder")
 
 
 def _file_of(program: PlannedProcess) -> str:
@@ -79,6 +88,7 @@ def _file_of(program: PlannedProcess) -> str:
 def _text(program: PlannedProcess, gateway: PlannedProcess, folder: Path, file: str) -> str:
     after = "" if program is gateway else f"After={_file_of(gateway)}\n"
     return UNIT.format(
+        written=WRITTEN,
         file=file,
         description=f"Acromovi: {program.name}".replace("%", "%%"),
         after=after,

@@ -196,7 +196,7 @@ def test_units_start_what_the_team_would(file: Path, tmp_path: Path, capsys: pyt
     assert sorted(path.name for path in folder.iterdir()) == [
         "acromovi-agents-doc.service",
         "acromovi-gateway-doc.service",
-        "doc.toml",
+        "acromovi-gateway-doc.toml",
     ]
     unit = (folder / "acromovi-gateway-doc.service").read_text()
     (line,) = re.findall(r"^ExecStart=(.*)$", unit, re.MULTILINE)
@@ -205,6 +205,28 @@ def test_units_start_what_the_team_would(file: Path, tmp_path: Path, capsys: pyt
     assert load_settings(Path(words[words.index("--config") + 1])).use_gyro
     assert "Restart=always" in unit
     assert "After=acromovi-gateway-doc.service" in (folder / "acromovi-agents-doc.service").read_text()
+
+
+def test_units_beside_the_teams_files_leave_those_as_they_are(file: Path, tmp_path: Path) -> None:
+    own = tmp_path / "doc.toml"
+    own.write_text(DOC)
+    file.write_text(file.read_text().replace("doc-gateway.toml", "doc.toml"))
+    for _ in range(2):  # its own files are replaced
+        assert main(["up", str(file), "--units", str(tmp_path)]) == 0
+    assert own.read_text() == DOC
+    assert load_settings(tmp_path / "acromovi-gateway-doc.toml").use_gyro
+
+
+@pytest.mark.parametrize("name", ["acromovi-gateway-doc.toml", "acromovi-agents-doc.service"])
+def test_units_replace_no_file_of_another_origin(
+    name: str, file: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder = tmp_path / "units"
+    folder.mkdir()
+    (folder / name).write_text("# my own\n")
+    assert main(["up", str(file), "--units", str(folder)]) == 1
+    assert capsys.readouterr().err.startswith(f"acromovi up: {folder / name} was not written by this command")
+    assert [(path.name, path.read_text()) for path in folder.iterdir()] == [(name, "# my own\n")]
 
 
 @pytest.mark.skipif(ANALYZE is None, reason="systemd-analyze is not installed")
