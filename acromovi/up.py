@@ -149,7 +149,10 @@ def _write_units(team: "TeamPlan", arguments: argparse.Namespace) -> int:
 
 
 def _names(text: str) -> tuple[str, ...]:
-    return tuple(name.strip() for name in text.split(",") if name.strip())
+    names = tuple(name.strip() for name in text.split(",") if name.strip())
+    if not names:
+        raise argparse.ArgumentTypeError(f"{text!r} names no robot; write for example happy,doc")
+    return names
 
 
 async def _hold(team: "TeamPlan", choices: "TeamOptions", folder: Path, arguments: argparse.Namespace) -> int:

@@ -189,6 +189,14 @@ def test_the_shipped_team_of_real_and_emulated_robots_is_in_order(capsys: pytest
     assert p2os_emu(["--team", "two-real-five-emulated", "--duration", "0.1", "--quiet"]) == 0
 
 
+@pytest.mark.parametrize("names", ["", ",", " , "])
+def test_a_choice_of_no_robot_is_wrong_usage(names: str, file: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as ended:
+        main(["up", str(file), "--check", "--only", names])
+    assert ended.value.code == 2
+    assert f"{names!r} names no robot; write for example happy,doc" in capsys.readouterr().err
+
+
 def test_units_start_what_the_team_would(file: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     folder = tmp_path / "100% units"
     assert main(["up", str(file), "--units", str(folder), "--bus", "lan"]) == 0
