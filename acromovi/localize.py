@@ -31,9 +31,9 @@ examples:
   acromovi localize happy --state
   acromovi localize happy --stop
 
-The map is a file .map of ARIA or .yaml of ROS, on the machine of the robot's container. The command ends when the pose
-is known; the localization continues until it is stopped, and publishes HAPPY/pose, HAPPY/tf and HAPPY/map. Send the
-robot to a goal of the map with: acromovi navigate go happy "Lab 2".
+The map is a file .map of ARIA or .yaml of ROS, on the machine of the robot's container, and so are settings. The
+command ends when the pose is known; the localization continues until it is stopped, and publishes HAPPY/pose, HAPPY/tf
+and HAPPY/map. Send the robot to a goal of the map with: acromovi navigate go happy "Lab 2".
 
 With --json the output is one object: state, pose (x, y, heading in map), deviations, score, reason and more.
 
@@ -98,7 +98,8 @@ async def _localize(bus: "Bus", peer: "AgentName", arguments: argparse.Namespace
             print(json.dumps(told) if arguments.json else f"the localization of {arguments.robot} is stopped")
             return 0
         if arguments.map is not None:
-            given: dict[str, Any] = {"map": str(Path(arguments.map).resolve()), "settings": arguments.settings}
+            given: dict[str, Any] = {"map": str(Path(arguments.map).resolve())}
+            given["settings"] = str(Path(arguments.settings).resolve()) if arguments.settings else ""
             given["pose"] = arguments.pose or ("unknown" if arguments.unknown else "home")
             (await agent.request(peer, "start", reply_within=LOADING, **given)).value()
         told = await _told(agent, peer, arguments)

@@ -8,6 +8,7 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+import configs
 from acromovi.options import count
 from acromovi.subcommand import Subcommand
 
@@ -73,7 +74,7 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
     speed = add("speed", "set or print the emulated seconds per second", _speed_request)
     speed.add_argument("factor", metavar="FACTOR", nargs="?", type=_number, help="the new speed")
     new = add("add", "add a robot", _add_request)
-    new.add_argument("model", metavar="MODEL", help="a model of configs/robots")
+    new.add_argument("model", metavar="MODEL", help="a model of configs/robots, or a file")
     new.add_argument("--name", help="set its name [its model]")
     new.add_argument("--fit", metavar="PARTS", help="set its accessories: gripper,laser")
     new.add_argument(
@@ -127,12 +128,25 @@ def _speed_request(given: argparse.Namespace) -> Request:
     return {"do": "speed"} | ({} if given.factor is None else {"factor": given.factor})
 
 
+def _model(text: str) -> str:
+    """Return a model as the emulator finds it, whose working directory may be another.
+
+    Raises:
+        ConfigError: There is no such model.
+    """
+    return str(Path(text).resolve()) if configs.find("robots", text) == Path(text) else text
+
+
 def _add_request(given: argparse.Namespace) -> Request:
     if given.heading is not None and given.at is None:
         raise _WrongUsage("--heading needs --at")
     place = dict(zip(("x", "y"), given.at or (), strict=False))
     chosen = {"name": given.name, "fit": given.fit, "heading": given.heading, **place}
-    return {"do": "add", "model": given.model, **{key: value for key, value in chosen.items() if value is not None}}
+    return {
+        "do": "add",
+        "model": _model(given.model),
+        **{key: value for key, value in chosen.items() if value is not None},
+    }
 
 
 def _joystick_request(given: argparse.Namespace) -> Request:
@@ -163,7 +177,7 @@ def _run(arguments: argparse.Namespace) -> int:
     except _WrongUsage as err:
         print(f"acromovi world: {err}", file=sys.stderr)
         return 2
-    except (_NoEmulator, ControlRefused) as err:
+    except (_NoEmulator, ControlRefused, configs.ConfigError) as err:
         print(f"acromovi world: {err}", file=sys.stderr)
         return 1
     except (OSError, ValueError) as err:

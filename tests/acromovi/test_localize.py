@@ -115,6 +115,15 @@ def test_a_robot_in_an_unknown_place_is_not_localized_by_standing(
     assert "is not localized (searching)" in capsys.readouterr().err
 
 
+def test_settings_beside_the_command_are_named_by_their_whole_path_to_the_agent(
+    standing: str, file: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("mine.toml").write_text("particels = 3\n")
+    assert main(["localize", standing, "--map", file, "--settings", "mine.toml"]) == 1
+    assert f"{tmp_path / 'mine.toml'}: unknown key particels" in capsys.readouterr().err
+
+
 def test_errors_of_a_map_name_file_and_line(standing: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     bad = tmp_path / "bad.map"
     bad.write_text("2D-Map\nLINES\n0 0 1000\n")

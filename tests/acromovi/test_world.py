@@ -94,6 +94,18 @@ def test_robots_come_and_go(asked: Asked) -> None:
     assert asked("add", "p2dx", "--heading", "1")[2] == "acromovi world: --heading needs --at\n"
 
 
+def test_a_model_beside_the_command_is_found_by_an_emulator_elsewhere(
+    asked: Asked, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    known = configs.find("robots", "p2dx").read_text(encoding="utf-8")
+    Path("mine.toml").write_text(known, encoding="utf-8")
+    assert asked("add", "mine.toml", "--name", "bob")[1].startswith("added bob, its port is ")
+    assert asked("remove", "bob")[0] == 0
+    assert asked("add", "mein.toml")[2].startswith("acromovi world: there is no file mein.toml; ")
+    assert asked("add", "p2d")[2].startswith("acromovi world: there is no 'p2d' among the robots; did you mean")
+
+
 def test_a_model_that_no_robot_has_is_refused_and_the_emulator_runs_on(asked: Asked, tmp_path: Path) -> None:
     model = tmp_path / "mine.toml"
     known = configs.find("robots", "p3dx").read_text(encoding="utf-8")
