@@ -79,21 +79,21 @@ def _run(arguments: argparse.Namespace) -> int:
     with ZenohBus.open(arguments.bus) as bus:
         agents = {robot: mapping_agent(bus, robot) for robot in robots}
 
-        def save() -> None:
+        def finish(ended: str) -> None:
             if arguments.save is not None:
                 files = write_building_map(fetched(bus, agents[robots[0]], arguments.save.suffix), arguments.save)
                 _tell(arguments, f"written: {', '.join(map(str, files))}")
+            if arguments.json:
+                print(json.dumps({"ended": ended}))
 
         try:
             ended = asyncio.run(_build(bus, agents, arguments))
         except Exception:
             raise  # the map of the agent may be an earlier one
         except BaseException:  # Ctrl-C or SIGTERM, the usual end of a drive
-            save()
+            finish("interrupted")
             raise
-        save()
-    if arguments.json:
-        print(json.dumps({"ended": ended}))
+        finish(ended)
     return 0
 
 

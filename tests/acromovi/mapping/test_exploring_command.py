@@ -206,12 +206,13 @@ def test_no_mission_comes_from_an_explorer_that_is_dead_or_frozen(number: signal
     play(story)
 
 
-def test_an_explorer_that_is_asked_to_end_cancels_the_mission() -> None:
+def test_an_explorer_that_is_asked_to_end_cancels_the_mission_and_says_so_in_its_last_line() -> None:
     async def story(at: Played) -> None:
         process = await at.begin()
         process.send_signal(signal.SIGINT)
-        _, err = await process.communicate()
+        out, err = await process.communicate()
         assert process.returncode == 130, err.decode()
+        assert json.loads(out.splitlines()[-1]) == {"ended": "interrupted"}
         assert at.interface.cancelled == 1
         assert at.mapping.ended == 1
 
