@@ -110,7 +110,7 @@ class Navigator:
         if self.memory.see(self._frame.reading(reading)):
             situation.progress.begin()
             if self.is_active:
-                situation.is_there, situation.no_way_since = False, inf
+                situation.no_way_since = inf
                 situation.machine.happens(
                     MissionEvent.POSE_JUMPED, now, "the robot's pose was set anew, and all that was seen is forgotten"
                 )

@@ -166,6 +166,8 @@ class Situation:
         self.progress.go_on()
         if change.after in (MissionState.WAITING, MissionState.REPLANNING):
             self.making_way.end(change.at)
+        if change.after is MissionState.REPLANNING:
+            self.is_there = False  # the plan of the final turn is replaced, so the turn has to begin again
         level = {MissionState.FAILED: "error", MissionState.WAITING: "warning", MissionState.LOST: "warning"}.get(
             change.after, "info"
         )

@@ -98,6 +98,44 @@ def test_a_turn_that_comes_no_farther_is_said() -> None:
     assert "comes no farther" in why(robot)
 
 
+def turned_at_goal(hinder: Callable[[Walker], None]) -> Walker:
+    """A robot that is hindered in its final turn, at the end of its mission."""
+    robot = walker()
+    robot.meanwhile = hinder
+    robot.go(3.0, 8.0, heading=2.9)
+    robot.run_to_end(60.0)
+    assert "there, and turning" in notes(robot)
+    return robot
+
+
+def test_a_final_turn_is_continued_after_the_readings_were_missing() -> None:
+    blind_from: list[float] = []
+
+    def blind(robot: Walker) -> None:
+        if robot.heading > 1.0 and not blind_from:
+            blind_from.append(robot.time)
+        robot.is_blind = robot.is_held = bool(blind_from) and robot.time < blind_from[0] + 3.0
+
+    robot = turned_at_goal(blind)
+    assert "something is seen again" in notes(robot)
+    assert robot.navigator.state == "done"
+    assert robot.heading == pytest.approx(2.9, abs=0.15)
+
+
+def test_a_final_turn_is_continued_after_somebody_was_in_the_way() -> None:
+    held_from: list[float] = []
+
+    def hold(robot: Walker) -> None:
+        if robot.heading > 1.0 and not held_from:
+            held_from.append(robot.time)
+        robot.is_held = bool(held_from) and robot.time < held_from[0] + 7.0
+
+    robot = turned_at_goal(hold)
+    assert "comes no farther" in notes(robot)
+    assert robot.navigator.state == "done"
+    assert robot.heading == pytest.approx(2.9, abs=0.15)
+
+
 def test_through_a_door_the_robot_goes_straight() -> None:
     robot = walker()
     robot.go(7.0, 4.7)
