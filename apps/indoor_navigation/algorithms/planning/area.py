@@ -23,10 +23,10 @@ class Area(NamedTuple):
     """A rectangle of cells in rows of equal y; the lower left corner of the first is at x, y in odom.
 
     evidence: of the laser, and of sonar where no laser looks. first_hit: s, or NEVER, or PASSABLE. fixed: cells of
-    walls: hit for some time and never free before. hit_at: s of the last hit. theirs_at: s when a walking person was
-    there last. echo: evidence of what sonar hears and the laser sees through. heard_from: direction of the disc that
-    heard it last, from the cell, rad. body: cells of what may be a person now. forbidden: cells that no robot may
-    enter, whatever sensors show. surface_x, surface_y: where in a cell with an obstacle its surface is, m from the
+    walls: hit for some time and never free before. hit_at: s of the last hit or echo. theirs_at: s when a walking
+    person was there last. echo: evidence of what sonar hears and the laser sees through. heard_from: direction of the
+    disc that heard it last, from the cell, rad. body: cells of what may be a person now. forbidden: cells that no robot
+    may enter, whatever sensors show. surface_x, surface_y: where in a cell with an obstacle its surface is, m from the
     middle of the cell: cells are wider than the errors of a laser.
     """
 

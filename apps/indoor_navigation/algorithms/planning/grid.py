@@ -6,8 +6,8 @@ that was seen only for a short time, because a walking person is also seen somew
 person who leaves the view is taken to have walked on.
 
 What sonar hears and the laser sees through, such as glass, is remembered apart: a laser ray that passes shows nothing
-of it. It stays until a disc listens from a similar direction and no longer hears it. From another direction a smooth
-surface reflects the sound elsewhere.
+of it. It stays until a disc listens from a similar direction and no longer hears it, or until no way is left without
+the place. From another direction a smooth surface reflects the sound elsewhere.
 """
 
 from dataclasses import dataclass
@@ -85,18 +85,22 @@ class Grid:
         self.area = nothing if self._map is None else self._map.copied()
         self._has_walkers = False  # whether anything has moved; most of the time nothing has
 
-    def forget_transient(self, before: float) -> bool:
+    def forget_transient(self, before: float, *, with_panes: bool = False) -> bool:
         """Clear obstacles that may have gone since they were hit, before s; return whether there were any.
 
-        Those are all on free floor of the map, or without a map what has not become a wall.
+        Those are all on free floor of the map. Without a map they are what has not become a wall, and `with_panes` also
+        what only sonar hears.
         """
         part = self.area if self._map is None else self._mapped()
-        is_there = (part.evidence >= OCCUPIED) | (part.echo >= OCCUPIED)
-        may_go = ~part.fixed & ~(part.echo >= OCCUPIED) if self._map is None else self._map.evidence == PASSED
-        is_old = is_there & may_go & (part.hit_at < before)
-        part.evidence[is_old], part.echo[is_old] = PASSED, 0
-        part.first_hit[is_old], part.fixed[is_old] = NEVER, False
-        return bool(is_old.any())
+        is_old = part.hit_at < before
+        if self._map is None:
+            hits, echoes = is_old & ~part.fixed, is_old & with_panes
+        else:
+            hits = echoes = is_old & (self._map.evidence == PASSED)
+        hits, echoes = hits & (part.evidence >= OCCUPIED), echoes & (part.echo >= OCCUPIED)
+        part.evidence[hits], part.echo[echoes] = PASSED, 0
+        part.first_hit[hits], part.fixed[hits] = NEVER, False
+        return bool(hits.any() or echoes.any())
 
     def doubt_map(self) -> bool:
         """Forget what only the map shows, if sensors contradict much of it; return whether that was so.
@@ -187,6 +191,7 @@ class Grid:
             _BelievedRays.of(sonar, self._parameters, reading.pose),
             _BelievedRays.of(sonar.where(is_watched), self._parameters, reading.pose),
             perceived,
+            reading.stamp,
         )
         if self._has_walkers:
             self._let_go(part, reading.stamp)
@@ -253,7 +258,7 @@ class Grid:
                 part.theirs_at[is_within | is_trace] = stamp
                 part.first_hit[is_within & ~part.fixed] = PASSABLE
 
-    def _hear(self, sonar: "_BelievedRays", watched: "_BelievedRays", perceived: Perceived) -> None:
+    def _hear(self, sonar: "_BelievedRays", watched: "_BelievedRays", perceived: Perceived, stamp: float) -> None:
         """Update what sonar hears and the laser sees through.
 
         An echo comes from somewhere in a wide cone. Where another disc hears that a place is free, it is not there. And
@@ -263,6 +268,7 @@ class Grid:
             sonar: All sonar rays.
             watched: Those where the laser looks.
             perceived: With bodies, whose echoes are not those of glass.
+            stamp: s.
         """
         near = self.area.around(perceived.pose[:2], margin=self._parameters.lone_reach + MAX_OFFSET)
         rows, columns = np.nonzero(near.echo != 0)
@@ -279,7 +285,7 @@ class Grid:
         for each_x, each_y, direction in zip(x[is_there], y[is_there], directions[is_there], strict=True):
             row, column = self.area.cell(each_x, each_y)
             self.area.echo[row, column] = min(self.area.echo[row, column] + ECHO, MAX_ECHO)
-            self.area.heard_from[row, column] = direction
+            self.area.heard_from[row, column], self.area.hit_at[row, column] = direction, stamp
 
     def _let_go(self, near: Area, stamp: float) -> None:
         """Remove walking people who are out of view."""

@@ -212,7 +212,7 @@ class Guide:
 
         Return whether there was anything.
         """
-        is_news = self._memory.forget_transient(OUT_OF_VIEW) or self._memory.doubt_map()
+        is_news = self._memory.forget_transient(OUT_OF_VIEW, with_panes=True) or self._memory.doubt_map()
         if not self._survey(now).is_barred(self.goal) or self.distance(self.goal) < SURE_RANGE:
             return is_news
         self._memory.grid.doubt(*self.goal, SURE_RANGE / 2.0)

@@ -104,9 +104,12 @@ class Memory:
         self.has_jumped = True  # the frame of planning is another one
         self.forget()
 
-    def forget_transient(self, age: float) -> bool:
-        """Forget obstacles that may have gone since they were seen, s ago; return whether there were any."""
-        return self.grid.forget_transient(self._stamp - age)
+    def forget_transient(self, age: float, *, with_panes: bool = False) -> bool:
+        """Forget obstacles that may have gone since they were seen, s ago; return whether there were any.
+
+        with_panes: also what only sonar hears.
+        """
+        return self.grid.forget_transient(self._stamp - age, with_panes=with_panes)
 
     def doubt(self, place: Place, radius: float) -> bool:
         """Forget the obstacles within m of a place that were seen once and are out of view; return whether any were."""

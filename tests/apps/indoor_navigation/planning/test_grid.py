@@ -12,6 +12,8 @@ from apps.indoor_navigation.algorithms.planning.area import undrawn
 from apps.indoor_navigation.algorithms.planning.grid import Grid
 from apps.indoor_navigation.data import ObstRead
 from apps.indoor_navigation.parameters import shipped_parameters
+from tests.apps.indoor_navigation.planning.house import House
+from tests.apps.indoor_navigation.planning.on_a_map import floor_of
 
 SHIPPED = shipped_parameters("path_planning").mission.guide.memory.grid
 PARAMETERS = replace(SHIPPED, resolution=0.1)
@@ -211,6 +213,34 @@ def test_what_sonar_hears_and_the_laser_sees_through_is_a_wall_until_sonar_no_lo
     assert occupied(grid, 0.85, 0.05), "the laser shows nothing of it"
     for _ in range(5):
         grid.see(heard(None))
+    assert not occupied(grid, 0.85, 0.05)
+
+
+def test_without_a_map_what_only_sonar_hears_is_forgotten_where_no_way_is_left_and_not_before() -> None:
+    grid = Grid(PARAMETERS)
+    grid.see(heard(0.85, stamp=10.0))
+    assert not grid.forget_transient(9.0, with_panes=True)
+    grid.forget_transient(100.0)
+    assert occupied(grid, 0.85, 0.05)
+    assert grid.forget_transient(11.0, with_panes=True)
+    assert not occupied(grid, 0.85, 0.05)
+
+
+def test_a_wall_is_not_forgotten_with_the_panes() -> None:
+    grid = Grid(PARAMETERS)
+    for stamp in np.arange(0.0, 5.0, 0.1):
+        grid.see(reading((3.05, 0.05, True), stamp=stamp))
+    assert not grid.forget_transient(100.0, with_panes=True)
+    assert occupied(grid, 3.05, 0.05)
+
+
+def test_what_only_sonar_hears_on_free_floor_of_a_map_is_remembered_for_a_time() -> None:
+    grid = Grid(PARAMETERS)
+    grid.use_map(floor_of(House([]).box(-4.0, -4.0, 12.0, 8.0)))
+    grid.see(heard(0.85, stamp=10.0))
+    assert not grid.forget_transient(9.0)
+    assert occupied(grid, 0.85, 0.05)
+    assert grid.forget_transient(11.0)
     assert not occupied(grid, 0.85, 0.05)
 
 

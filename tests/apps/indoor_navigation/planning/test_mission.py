@@ -9,6 +9,7 @@ from math import hypot, inf, nan
 import pytest
 
 from apps.indoor_navigation.algorithms.outline import Outline
+from apps.indoor_navigation.algorithms.planning.area import OCCUPIED
 from apps.indoor_navigation.algorithms.planning.doors_map import DoorsMap
 from apps.indoor_navigation.algorithms.planning.mission import Navigator
 from apps.indoor_navigation.algorithms.planning.orders import REST
@@ -289,6 +290,24 @@ def test_where_the_only_door_stays_shut_it_is_said_and_the_robot_stands() -> Non
     assert "no way leads to (9.50, 8.00): all that can be reached was seen" in why(robot)
     assert "the only way is barred" in notes(robot)
     assert robot.navigator.step(robot.time) == REST
+
+
+@pytest.mark.parametrize(("age", "ends"), [(15.0, "done"), (0.0, "failed")])
+def test_a_pane_that_only_sonar_heard_long_ago_is_looked_at_again_where_no_other_way_is(age: float, ends: str) -> None:
+    robot = walker(House([]).box(0.0, 0.0, 8.0, 3.0), (1.0, 1.5, 0.0))
+    robot.run(1.0)
+
+    def hear(robot: Walker) -> None:
+        area = robot.navigator.memory.grid.area
+        (first, column), (last, _) = area.cell(5.0, 0.1), area.cell(5.0, 2.9)
+        area.echo[first : last + 1, column] = 2 * OCCUPIED
+        area.hit_at[first : last + 1, column] = robot.time
+
+    hear(robot)
+    robot.meanwhile = hear if age == 0.0 else robot.meanwhile
+    robot.run(age)
+    robot.go(7.0, 1.5)
+    assert robot.run_to_end(60.0) == ends
 
 
 def test_nobody_hopes_that_a_wall_goes_away_which_was_only_just_seen() -> None:
