@@ -145,7 +145,9 @@ class Grid:
             after = np.where(high > shape, high - shape + wide, 0)
         if (shape + before + after).max() * resolution > self._parameters.largest:
             return False
-        pad = list(zip(before.tolist(), after.tolist(), strict=True))
+        # An area without cells begins where the place is, which may be far from its origin.
+        sides = (before, after) if area.evidence.size else (np.zeros_like(shape), before + after)
+        pad = np.stack(sides, axis=1).tolist()
         self.area = Area(
             area.x - int(before[1]) * resolution,
             area.y - int(before[0]) * resolution,

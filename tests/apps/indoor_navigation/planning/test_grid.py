@@ -334,6 +334,15 @@ def test_the_area_grows_with_the_robot_and_keeps_what_was_seen() -> None:
     assert occupied(grid, 40.0, 33.0)
 
 
+@pytest.mark.parametrize(("x", "y"), [(60.0, 0.0), (0.0, 60.0), (-60.0, -60.0)])
+def test_the_area_begins_wherever_the_robot_is(x: float, y: float) -> None:
+    grid = Grid(PARAMETERS)
+    grid.see(reading((x + 3.05, y + 0.05, True), pose=(x, y, 0.0)))
+    assert occupied(grid, x + 3.05, y + 0.05)
+    assert not occupied(grid, x + 1.05, y + 0.05)
+    assert not unknown(grid, x + 1.05, y + 0.05)
+
+
 def test_an_area_that_would_be_too_large_stays_as_it_is() -> None:
     grid = Grid(replace(PARAMETERS, largest=40.0))
     assert grid.include((0.0, 0.0), 5.0)
