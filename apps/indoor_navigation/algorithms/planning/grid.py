@@ -53,9 +53,9 @@ class GridParameters:
     """Resolution in m, and what evidence counts.
 
     resolution: edge of a cell. reach: length up to which a laser ray is used. lone_reach: likewise, of a sonar ray,
-    whose distance is more exact than its direction. largest: maximum edge of the area. settled: s after the first hit
-    from which on a hit shows a wall instead of a walking person. gone: s after the last hit when a walking person
-    counts as gone although the place is out of view.
+    whose distance is more exact than its direction. largest: maximum edge of an area that is extended to a goal.
+    settled: s after the first hit from which on a hit shows a wall instead of a walking person. gone: s after the last
+    hit when a walking person counts as gone although the place is out of view.
     """
 
     resolution: float
@@ -128,8 +128,12 @@ class Grid:
         height, width = self._map.evidence.shape
         return self.area.window(slice(row, row + height), slice(column, column + width))
 
-    def include(self, place: Place, margin: float = 0.0) -> bool:
-        """Extend the area to a place with a margin, m; return False, without a change, where it would be too large."""
+    def include(self, place: Place, margin: float = 0.0, *, always: bool = False) -> bool:
+        """Extend the area to a place with a margin, m; return False, without a change, where it would be too large.
+
+        A robot must see wherever it is, so the area is `always` extended to the robot. Without a map it then grows with
+        the rectangle about all places of the robot, and takes 16 kB of memory for each m².
+        """
         area, resolution = self.area, self._parameters.resolution
         first = area.cell(place[0] - margin, place[1] - margin)
         last = area.cell(place[0] + margin, place[1] + margin)
@@ -143,10 +147,12 @@ class Grid:
         else:
             before = np.where(low < 0, wide - low, 0)
             after = np.where(high > shape, high - shape + wide, 0)
-        if (shape + before + after).max() * resolution > self._parameters.largest:
+        grown = before + after
+        is_too_large = (grown > 0) & ((shape + grown) * resolution > self._parameters.largest)
+        if is_too_large.any() and not always:
             return False
         # An area without cells begins where the place is, which may be far from its origin.
-        sides = (before, after) if area.evidence.size else (np.zeros_like(shape), before + after)
+        sides = (before, after) if area.evidence.size else (np.zeros_like(grown), grown)
         pad = np.stack(sides, axis=1).tolist()
         self.area = Area(
             area.x - int(before[1]) * resolution,
@@ -169,8 +175,7 @@ class Grid:
     def see(self, reading: ObstRead) -> None:
         """Add the evidence of a reading: where rays passed and where they hit an obstacle."""
         margin = self._parameters.reach + MAX_OFFSET
-        if not self.include(reading.pose[:2], margin):
-            return
+        self.include(reading.pose[:2], margin, always=True)
         perceived = Perceived.of(reading)
         is_of_scanner = perceived.rays.is_of_scanner
         scanned, sonar = perceived.rays.where(is_of_scanner), perceived.rays.where(~is_of_scanner)

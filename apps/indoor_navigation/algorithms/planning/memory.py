@@ -154,13 +154,14 @@ class Memory:
             barred: A place where somebody was in the way; those who are still near it bar ways, however far the robot
                 has made way.
         """
-        if not self.grid.include(goal, UNKNOWN_MARGIN):
+        if not self.grid.include(goal):
             return None
+        self.grid.include(goal, UNKNOWN_MARGIN, always=True)
         known = self.grid.area.known()
         height, width = known.evidence.shape
         corners = known.place(0, 0), known.place(height - 1, width - 1)
         for corner in corners:
-            self.grid.include(corner, UNKNOWN_MARGIN)
+            self.grid.include(corner, UNKNOWN_MARGIN, always=True)
         area = self.grid.area.around(*corners, self.place, goal, margin=UNKNOWN_MARGIN)
         if standing is not None:
             stands = standing(area)

@@ -351,6 +351,22 @@ def test_an_area_that_would_be_too_large_stays_as_it_is() -> None:
     assert grid.area is before
 
 
+def test_a_robot_sees_wherever_it_is_however_large_the_area_becomes() -> None:
+    grid = Grid(replace(PARAMETERS, largest=40.0))
+    grid.see(reading((3.05, 0.05, True)))
+    grid.see(reading((63.05, 0.05, True), pose=(60.0, 0.0, 0.0)))
+    assert occupied(grid, 3.05, 0.05)
+    assert occupied(grid, 63.05, 0.05)
+
+
+def test_a_large_area_is_extended_to_a_goal_across_it() -> None:
+    grid = Grid(replace(PARAMETERS, largest=40.0))
+    grid.include((60.0, 0.0), 5.0, always=True)
+    grid.include((0.0, 0.0), 5.0, always=True)
+    assert grid.include((30.0, 12.0))
+    assert not grid.include((90.0, 0.0))
+
+
 def test_rays_that_are_no_numbers_and_rays_without_length_are_left_out() -> None:
     grid = Grid(PARAMETERS)
     grid.see(reading((nan, 1.0, True), (inf, 0.0, True), (0.0, 0.0, True), (2.05, 0.05, True)))

@@ -43,6 +43,17 @@ def test_a_goal_in_odom_stays_where_it_was_in_the_house_when_odometry_drifts() -
     assert off(robot, 2.0, 2.0) <= 0.25
 
 
+def test_at_the_end_of_a_floor_of_110_m_the_robot_sees_what_is_not_on_the_map() -> None:
+    plan = House([]).box(0.0, 0.0, 110.0, 4.0)
+    floor = floor_of(plan)
+    robot = MapWalker(plan.box(104.0, 1.5, 0.5, 1.0), (100.0, 2.0, 0.0), floor)
+    robot.go_to(109.0, 2.0)
+    assert robot.run_to_end(60.0) == "done"
+    area = robot.navigator.memory.grid.area
+    assert area.occupied[area.cell(104.0, 2.0)]
+    assert robot.nearest > 0.2
+
+
 def test_a_correction_moves_the_path_and_forgets_nothing() -> None:
     robot = MapWalker(house(), START, floor_of(house()))
     robot.go_to(3.0, 6.4)
