@@ -12,6 +12,7 @@ from apps.indoor_navigation.algorithms.planning.floor import FloorMap
 from apps.indoor_navigation.algorithms.planning.mission import MapFix, Navigator
 from apps.indoor_navigation.algorithms.planning.orders import REST, MissionParameters, Order
 from apps.indoor_navigation.component import Component, Role, answers_query, hears, is_told
+from apps.indoor_navigation.components.embodied import QUERY_PERIOD
 from apps.indoor_navigation.components.passage_leases import PassageLeases
 from apps.indoor_navigation.data import (
     DIGITS,
@@ -25,7 +26,6 @@ from apps.indoor_navigation.data import (
 from bus import BusUnavailable, Refused
 from geometry import Pose2D
 
-QUERY_PERIOD = 1.0  # s between two queries for the outline of the robot
 SAME_PLACE, SAME_HEADING = 0.02, 0.02  # m and rad within which an order is not sent again
 MILLISECONDS = 1e3
 MAP_TIMEOUT, MAP_RETRY = 10.0, 2.0  # s for the map to come, and between two requests for it
