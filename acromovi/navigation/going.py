@@ -48,7 +48,9 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--map", action="store_true", help="X, Y and the heading are in the frame map [odom]")
     parser.add_argument("--heading", type=finite, metavar="RAD", help="heading at the goal [any]")
-    parser.add_argument("--tolerance", type=finite, metavar="M", help="distance that counts as reached [0.25 m]")
+    parser.add_argument(
+        "--tolerance", type=finite, metavar="M", help="distance that counts as reached, at least 0.1 m [0.25 m]"
+    )
     parser.add_argument("--wait", action="store_true", help="wait until the mission has ended")
     parser.add_argument(
         "--timeout", type=seconds, default=MAX_MISSION_TIME, metavar="S", help="maximum s to wait [%(default)g]"

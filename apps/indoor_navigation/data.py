@@ -23,6 +23,9 @@ Place = tuple[float, float]
 Pose = tuple[float, float, float]  # x, y, heading
 
 DIGITS = 3  # decimal places of lengths on the bus, in m; the sensors have no finer resolution
+LEAST_TOLERANCE = (
+    0.1  # m from a goal that count as reached; plans end up to 0.075 m from it, and robots stop about there
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,9 +106,9 @@ def _array(values: list[Any]) -> Floats:
 class GoalPoint(Data):
     """The goal of a mission.
 
-    mission: its name. heading: at the end; None for any. tolerance: distance that counts as reached. frame: `odom`, or
-    `map` for a place of the map on which the robot is localized. A goal without a place cancels the mission, and the
-    robot stops.
+    mission: its name. heading: at the end; None for any. tolerance: distance that counts as reached, at least
+    `LEAST_TOLERANCE`. frame: `odom`, or `map` for a place of the map on which the robot is localized. A goal without a
+    place cancels the mission, and the robot stops.
     """
 
     mission: str
@@ -117,10 +120,10 @@ class GoalPoint(Data):
 
     @property
     def is_sound(self) -> bool:
-        """Whether all values are finite numbers, the tolerance is above 0, and the frame is known."""
+        """Whether all values are finite numbers, the tolerance is not too small, and the frame is known."""
         numbers = [self.x, self.y, self.tolerance, 0.0 if self.heading is None else self.heading]
         sound = (isinstance(n, int | float) and not isinstance(n, bool) and isfinite(n) for n in numbers)
-        return all(sound) and self.tolerance > 0.0 and self.frame in ("odom", "map")
+        return all(sound) and self.tolerance >= LEAST_TOLERANCE and self.frame in ("odom", "map")
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,7 +11,7 @@ from typing import Any
 from agents.platform import AgentName, agree, request, subscription
 from apps.indoor_navigation.algorithms.planning.frames import MAP, ODOM
 from apps.indoor_navigation.component import Component, Role, is_told
-from apps.indoor_navigation.data import GoalPoint, LogMessage
+from apps.indoor_navigation.data import LEAST_TOLERANCE, GoalPoint, LogMessage
 from bus import BusUnavailable, Refused
 
 ENDED = ("done", "failed", "cancelled", "replaced")
@@ -64,9 +64,9 @@ class UserInterface(Component):
     ) -> dict[str, Any]:
         """Send the robot to a place, and return the name of the mission; it replaces the one before.
 
-        x, y: m. heading: at the end, rad; None for any. tolerance: m. place: name of a goal of the map, instead of x
-        and y. frame: of x, y and heading, `odom` or `map`. Places of the map need a robot that is localized, and are
-        refused in walls and forbidden areas.
+        x, y: m. heading: at the end, rad; None for any. tolerance: m, at least 0.1. place: name of a goal of the map,
+        instead of x and y. frame: of x, y and heading, `odom` or `map`. Places of the map need a robot that is
+        localized, and are refused in walls and forbidden areas.
         """
         wanted = {"x": x, "y": y, "heading": heading, "tolerance": tolerance}
         if place:
@@ -77,8 +77,8 @@ class UserInterface(Component):
             is_number = isinstance(value, int | float) and not isinstance(value, bool) and isfinite(value)
             if not is_number and not (name == "heading" and value is None):
                 raise Refused(f"{name} must be a number, not {value!r}")
-        if tolerance <= 0.0:
-            raise Refused(f"tolerance must be above 0 m, not {tolerance:g}")
+        if tolerance < LEAST_TOLERANCE:
+            raise Refused(f"tolerance must be at least {LEAST_TOLERANCE:g} m, not {tolerance:g}")
         if frame not in (ODOM, MAP):
             raise Refused(f"frame must be {ODOM!r} or {MAP!r}, not {frame!r}")
         if place or frame == MAP:

@@ -158,7 +158,7 @@ def test_a_robot_that_nobody_navigates_is_told_with_what_to_do(
 def test_a_refusal_is_one_sentence(going: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["navigate", "go", going, "1", "2", "--tolerance", "-1"]) == 1
     err = capsys.readouterr().err
-    assert "tolerance must be above 0 m" in err
+    assert "tolerance must be at least 0.1 m, not -1" in err
     assert err.count("\n") == 1
 
 

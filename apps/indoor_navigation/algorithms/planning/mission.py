@@ -19,7 +19,7 @@ from apps.indoor_navigation.algorithms.planning.right_of_way import RightOfWay
 from apps.indoor_navigation.algorithms.planning.situation import Situation
 from apps.indoor_navigation.algorithms.planning.states import ACTIVE, MOVING, MissionEvent, MissionState
 from apps.indoor_navigation.algorithms.planning.waiting import FOR_SIGHT
-from apps.indoor_navigation.data import DIGITS, DLEData, Door, GoalPoint, ObstRead, Place
+from apps.indoor_navigation.data import DIGITS, LEAST_TOLERANCE, DLEData, Door, GoalPoint, ObstRead, Place
 from geometry import Pose2D
 
 FIX_TIMEOUT = 4.0  # s for the localization to say where the robot is, and for its map to come
@@ -101,7 +101,8 @@ class Navigator:
         situation.begin(goal, self._frame.goal(goal) if goal.is_sound else goal, now)
         if not goal.is_sound:
             told = f"x {goal.x!r}, y {goal.y!r}, heading {goal.heading!r}, tolerance {goal.tolerance!r}"
-            situation.give_up(now, f"{told} is not a valid goal; give finite numbers, and a tolerance above 0")
+            wanted = f"finite numbers, and a tolerance of at least {LEAST_TOLERANCE:g} m"
+            situation.give_up(now, f"{told} is not a valid goal; give {wanted}")
 
     def see(self, reading: ObstRead, now: float) -> None:
         """Take a reading of obstacles, in odom."""

@@ -13,7 +13,7 @@ from apps.indoor_navigation.algorithms.planning.area import OCCUPIED
 from apps.indoor_navigation.algorithms.planning.doors_map import DoorsMap
 from apps.indoor_navigation.algorithms.planning.mission import Navigator
 from apps.indoor_navigation.algorithms.planning.orders import REST
-from apps.indoor_navigation.data import GoalPoint, Place
+from apps.indoor_navigation.data import LEAST_TOLERANCE, GoalPoint, Place
 from apps.indoor_navigation.parameters import shipped_parameters
 from tests.apps.indoor_navigation.planning.house import (
     BODY_RADIUS,
@@ -66,6 +66,22 @@ def test_the_goal_is_reached_by_a_way_hardly_longer_than_the_shortest(
     assert robot.length <= GROWS * shortest(house(), start[:2], goal)
     assert robot.nearest > TOUCH
     assert robot.navigator.step(robot.time) == REST
+
+
+@pytest.mark.parametrize("goal", [(3.0, 6.4), (7.0, 4.7), (5.51, 7.33), (1.3, 7.4)])
+def test_the_goal_is_reached_with_the_least_tolerance(goal: Place) -> None:
+    robot = walker()
+    robot.go(*goal, tolerance=LEAST_TOLERANCE)
+    assert robot.run_to_end() == "done"
+    assert hypot(robot.x - goal[0], robot.y - goal[1]) <= LEAST_TOLERANCE
+
+
+def test_a_tolerance_within_which_plans_may_not_end_is_said_to_be_invalid() -> None:
+    robot = walker()
+    robot.go(3.0, 6.4, tolerance=0.05)
+    assert robot.run_to_end() == "failed"
+    assert "tolerance 0.05 is not a valid goal; give finite numbers, and a tolerance of at least 0.1 m" in why(robot)
+    assert robot.length == 0.0
 
 
 def test_a_heading_that_is_wanted_is_taken_at_the_end() -> None:

@@ -142,7 +142,8 @@ def test_state_and_picture_are_those_of_planning(site: Site, planner: Planner, p
     [
         ({"x": 1.0, "y": 1.0, "heading": True}, "heading must be a number, not True"),
         ({"x": 1.0, "y": 1.0, "heading": "north"}, "heading must be a number, not 'north'"),
-        ({"x": 1.0, "y": 1.0, "tolerance": 0.0}, "tolerance must be above 0 m, not 0"),
+        ({"x": 1.0, "y": 1.0, "tolerance": 0.0}, "tolerance must be at least 0.1 m, not 0"),
+        ({"x": 1.0, "y": 1.0, "tolerance": 0.09}, "tolerance must be at least 0.1 m, not 0.09"),
         ({"x": "far", "y": 1.0}, "x must be a number, not 'far'"),
     ],
 )
