@@ -49,7 +49,7 @@ class UserInterface(Component):
         self._missions = 0
         self._ended: dict[str, dict[str, Any]] = {}
         self._is_planner_missed = False
-        self._is_unknown = False
+        self._other: str | None = None  # mission that path planning named at the last look, if not the one sent to it
         self.every(self.parameters.look, self._look)
 
     @request("go", agrees_itself=True)
@@ -89,7 +89,7 @@ class UserInterface(Component):
             self._end(self._goal.mission, "replaced", "another mission was begun")
         self._missions += 1
         self._goal = GoalPoint(f"m{int(self.home.wall_time())}-{self._missions}", x, y, heading, tolerance, frame)
-        self._is_unknown = False
+        self._other = None
         self.work()
         self.tell(self._goal)
         return {"mission": self._goal.mission}
@@ -170,7 +170,8 @@ class UserInterface(Component):
     async def _look(self) -> None:
         """Query the state of the mission; send the goal again if path planning was restarted and does not know it.
 
-        The goal is sent after two queries in a row: at the first one it may still be on its way.
+        Path planning has another mission if it names that at two queries in a row: at the first one the goal may still
+        be on its way.
         """
         if self._goal is None:
             return
@@ -190,15 +191,18 @@ class UserInterface(Component):
         self._is_planner_missed = False
         if self._goal is not goal:
             return
-        was_unknown, self._is_unknown = self._is_unknown, told.get("mission") in ("", *self._ended)
-        if self._is_unknown:
-            if was_unknown:
-                await self._say("warning", "path planning was restarted; the mission is sent again")
-                self.tell(goal)
-        elif told.get("mission") != goal.mission:
-            self._end(goal.mission, "replaced", f"replaced by {told.get('mission')} of another client")
-        elif told.get("state") in ENDED:
-            self._goal, self._ended[goal.mission] = None, told
+        mission = told.get("mission", "")
+        before, self._other = self._other, mission if mission != goal.mission else None
+        if self._other is None:
+            if told.get("state") in ENDED:
+                self._goal, self._ended[goal.mission] = None, told
+        elif before != self._other:
+            return
+        elif mission in ("", *self._ended):
+            await self._say("warning", "path planning was restarted; the mission is sent again")
+            self.tell(goal)
+        else:
+            self._end(goal.mission, "replaced", f"replaced by {mission} of another client")
 
     async def _asked(self, what: str) -> dict[str, Any]:
         """Query path planning; where it was asleep, again until it has seen where the robot is now."""

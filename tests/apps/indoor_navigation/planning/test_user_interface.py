@@ -25,10 +25,11 @@ PROPERTIES = {
 
 
 class Planner:
-    """What planning is to the interface."""
+    """What planning is to the interface. is_slow: it has not taken up a goal yet that it has received."""
 
     def __init__(self, site: Site) -> None:
         self._site = site
+        self.is_slow = False
         self.goals: list[GoalPoint] = []
         self.told: dict[str, Any] = {"mission": "", "state": "idle"}
         self.come()
@@ -48,7 +49,8 @@ class Planner:
     def _take(self, sample: Sample) -> None:
         goal = GoalPoint.from_json(decode_json(sample.payload))
         self.goals.append(goal)
-        self.told = {"mission": goal.mission, "state": "going" if goal.x is not None else "cancelled"}
+        if not self.is_slow:
+            self.told = {"mission": goal.mission, "state": "going" if goal.x is not None else "cancelled"}
 
 
 class Person:
@@ -186,6 +188,22 @@ def test_a_mission_of_somebody_else_is_not_fought(site: Site, planner: Planner, 
     site.run(2.0)
     assert len(planner.goals) == 1
     assert person.ask("wait", mission=mission).result["state"] == "replaced"
+
+
+def test_a_mission_that_planning_has_not_taken_up_yet_is_not_replaced_by_the_one_before(
+    site: Site, planner: Planner, person: Person
+) -> None:
+    site.run(20.0)  # the interface sleeps, and looks as soon as it wakes up
+    planner.told, planner.is_slow = {"mission": "before", "state": "done"}, True
+    mission = person.ask("go", x=1.0, y=2.0).result["mission"]
+    waiting = person.begin("wait", mission=mission)
+    site.run(0.3)
+    planner.told = {"mission": mission, "state": "going"}
+    site.run(2.0)
+    assert not waiting.done()
+    planner.told = {"mission": mission, "state": "done"}
+    site.run(4.0)
+    assert waiting.result().result["state"] == "done"
 
 
 def test_an_interface_begun_anew_waits_for_a_mission_from_before(site: Site, planner: Planner, person: Person) -> None:
