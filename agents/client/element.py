@@ -58,15 +58,17 @@ class ElementClient(Generic[R]):
             raise _error_of(outcome, self.agent, request)
         return _numbered(outcome.result)
 
-    def read(self) -> R:
+    def read(self, within: float = PATIENCE) -> R:
         """Return the latest reading; wait a little for the first.
 
+        Args:
+            within: s to wait for the answer.
         Raises:
             RobotError: There is none, or none that is fresh.
         """
         if self._thread.only_looks:
-            return self._read(self._thread.call(self._thread.agent.query(self.agent.results_key)))
-        return self._read(self.ask("read"))
+            return self._read(self._thread.call(self._thread.agent.query(self.agent.results_key, timeout=within)))
+        return self._read(self.ask("read", within=within))
 
     @property
     def properties(self) -> dict[str, Any]:

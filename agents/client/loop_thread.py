@@ -13,7 +13,7 @@ from agents.platform import Agent, AgentError
 from agents.platform.errors import in_words
 from bus import BusError
 
-ATTENTION = 1.0  # s after its last call for which a program counts as being at work
+ATTENTION = 1.0  # s after the start and after the end of a call for which a program counts as being at work
 LAST_WORDS = 2.0  # s for calls while a program ends
 
 Result = TypeVar("Result")
@@ -35,6 +35,7 @@ class LoopThread:
         self.only_looks = False
         self._changed = threading.Condition()
         self._under_way: set[concurrent.futures.Future[Any]] = set()
+        self._attending: set[concurrent.futures.Future[Any]] = set()  # of those under way
         self._last_call = time.monotonic()
         self._is_suspended = False
         self._why_stopped = ""
@@ -46,19 +47,22 @@ class LoopThread:
 
     @property
     def is_attended(self) -> bool:
-        """Whether the program is at work: within a call, or shortly after one.
+        """Whether the program is at work: shortly after a call has begun or ended, or in one that attends.
 
-        Continuous driving ends when it is not, since the program would not notice a wall.
+        Continuous driving ends when it is not, since the program would not notice a wall. While a reading does not
+        come, the program notices nothing either.
         """
         if self._is_suspended or self.is_stopped:
             return False
-        return bool(self._under_way) or time.monotonic() - self._last_call < ATTENTION
+        return bool(self._attending) or time.monotonic() - self._last_call < ATTENTION
 
-    def call(self, work: Coroutine[Any, Any, Result], *, at_end: bool = False) -> Result:
+    def call(self, work: Coroutine[Any, Any, Result], *, attends: bool = False, at_end: bool = False) -> Result:
         """Run a coroutine in the loop, and wait for its result. Ctrl-C interrupts the wait, and cancels the coroutine.
 
         Args:
             work: The coroutine.
+            attends: The program counts as being at work for as long as the call lasts: it waits on purpose, or moves
+                something.
             at_end: Run it also when the program is suspended or to end.
         Raises:
             RobotError: It failed.
@@ -73,6 +77,9 @@ class LoopThread:
                         raise Stopped(self._why_stopped)
                 future = asyncio.run_coroutine_threadsafe(work, self.loop)
                 self._under_way.add(future)
+                self._last_call = time.monotonic()
+                if attends:
+                    self._attending.add(future)
         except RuntimeError as err:  # the loop has ended
             work.close()
             raise RobotError("this team is closed; open another with `with Team() as team:`") from err
@@ -128,6 +135,7 @@ class LoopThread:
             future.cancel()
             with self._changed:
                 self._under_way.discard(future)
+                self._attending.discard(future)
                 self._last_call = time.monotonic()
 
 

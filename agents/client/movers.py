@@ -73,7 +73,8 @@ class _Mover(ElementClient[R], Generic[R]):
             arguments["token"] = token
         self._thread.moving[self] = self._halt
         try:
-            result = self._result_of(request, self._thread.call(self._requested(request, MOTION, arguments)))
+            requested = self._requested(request, MOTION, arguments)
+            result = self._result_of(request, self._thread.call(requested, attends=True))
         except RequestTimedOut:
             self._stop_at_once()
             raise
@@ -138,7 +139,8 @@ class BaseClient(_Mover[BaseReading]):
         """Drive at m/s forward and rad/s counter-clockwise.
 
         Without `seconds` it returns at once, and the robot drives until the next call that moves it, until `stop`, or
-        until the program ends or makes no call for a second.
+        until the program ends or makes no call for a second. It also stops when a call other than a motion, `sleep` and
+        `every`, such as a reading, lasts longer than a second.
 
         Raises:
             Failed: The robot is stalled. Without `seconds` it was stopped, and the next call to drive the same way
@@ -147,7 +149,7 @@ class BaseClient(_Mover[BaseReading]):
         if seconds is None:
             self._thread.moving[self] = self._halt
             try:
-                self._thread.call(self._driving.go(plain(linear), plain(angular), self._lease))
+                self._thread.call(self._driving.go(plain(linear), plain(angular), self._lease), attends=True)
             except RobotError:
                 self._thread.moving.pop(self, None)  # it is at rest, or moved by another program
                 raise

@@ -164,7 +164,7 @@ class Team(Closeable):
         """
         if not isinstance(seconds, SupportsFloat):
             raise RobotError(f"sleep takes a time in s, not {seconds!r}")
-        self._thread.call(asyncio.sleep(seconds))
+        self._thread.call(asyncio.sleep(seconds), attends=True)
 
     def every(self, period: float) -> Iterator[float]:
         """Yield every `period` seconds the s since the first time; missed times are skipped.

@@ -18,6 +18,7 @@ from geometry import Pose2D, Twist2D
 SERVICES = ("docking",)  # for the directory, when it runs as an agent
 _WATCH_PERIOD = 2.0  # s between two looks at the battery
 _MISSION_TIME = 3600.0  # s; a mission of the navigation ends by itself long before
+_ANSWER_TIME = 1.0  # s for a reading; without it the robot stands
 _RETURN_TIME = 10.0  # s that the robot may refuse to drive, since another program has the lease
 _STATE = ["has not begun"]  # what it does, in words
 
@@ -95,6 +96,7 @@ class _Docking:
         size = robot.base.properties["geometry"]
         self._hull = DockingHull(float(size["length_front"]), float(size["width"]))
         self._laser = robot.laser if robot.has("laser") else None
+        self._bumpers = robot.bumpers if robot.has("bumpers") else None
         place = {} if self._laser is None else self._laser.properties.get("geometry", {})
         self._mount = Pose2D(place.get("x", 0.0), place.get("y", 0.0), place.get("heading", 0.0))
         self._told = ""
@@ -176,15 +178,15 @@ class _Docking:
         """Read, decide and drive; returns what was decided, None where the robot does not answer and so stands."""
         robot = self.robot
         try:
-            base = robot.base.read()
+            base = robot.base.read(within=_ANSWER_TIME)
             if self._laser is not None:
-                scan = self._laser.read()
+                scan = self._laser.read(within=_ANSWER_TIME)
                 points = echo_points(np.array(scan.ranges), scan.angle_min, scan.angle_increment, self._mount)
                 cycle.take_scan(scan.stamp, points, base.pose)
-            if robot.has("bumpers"):
-                bumpers = robot.bumpers.read()
+            if self._bumpers is not None:
+                bumpers = self._bumpers.read(within=_ANSWER_TIME)
                 self._contact |= bumpers.pressed or bumpers.stall_left or bumpers.stall_right
-            charging = robot.battery.read().charging
+            charging = robot.battery.read(within=_ANSWER_TIME).charging
         except NotThere as err:
             raise RobotError(f"{robot.name} is lost while it docks: {err}") from err
         except RobotError as err:

@@ -4,6 +4,7 @@ import asyncio
 import math
 import threading
 from collections.abc import Callable
+from contextlib import suppress
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,7 @@ import pytest
 from agents import Failed, NotThere, Refused, RobotError, Stopped, Team, TimedOut
 from agents.client import discovery
 from agents.client.readings import OtherReading
-from agents.platform import AgentName
+from agents.platform import Agent, AgentName, request
 from bus import MemoryBus, messages
 from tests.agents.client.conftest import LASER, BasePart, Part, World
 from tests.waiting import wait_until
@@ -349,6 +350,82 @@ def test_driving_ends_when_the_program_makes_no_call_any_more(
     wheels: BasePart = world.agent("base@happy")
     team.robot("happy").base.drive(0.2)
     wait_until(lambda: wheels.velocities[-1:] == [(0.0, 0.0)])
+
+
+class Silent(Agent):
+    """An element whose agent takes requests and does not answer."""
+
+    @request("read")
+    async def read(self) -> None:
+        await asyncio.sleep(3600.0)
+
+
+@pytest.mark.parametrize("wait", ["read", "ask", "watch"])
+def test_driving_ends_while_the_program_waits_for_a_reading_that_does_not_come(
+    world: World, monkeypatch: pytest.MonkeyPatch, wait: str
+) -> None:
+    monkeypatch.setattr("agents.client.loop_thread.ATTENTION", 0.2)
+    wheels: BasePart = world.agent("base@happy")
+    world.add(Silent("sonar@happy"))
+    with world.team() as team:
+        happy = team.robot("happy")
+        sonar = happy.element("sonar")
+        waits: dict[str, Callable[[], object]] = {
+            "read": lambda: sonar.read(within=3600.0),
+            "ask": lambda: sonar.ask("read", within=3600.0),
+            "watch": lambda: next(sonar.watch(within=3600.0)),
+        }
+
+        def look() -> None:
+            with suppress(Stopped):
+                waits[wait]()
+
+        happy.base.drive(0.2)
+        looking = threading.Thread(target=look)
+        looking.start()
+        try:
+            wait_until(lambda: wheels.velocities[-1:] == [(0.0, 0.0)])
+        finally:
+            team._thread.stop("enough")
+            looking.join()
+
+
+def test_driving_goes_on_while_readings_come(world: World, team: Team) -> None:
+    wheels: BasePart = world.agent("base@happy")
+    happy = team.robot("happy")
+    happy.base.drive(0.2)
+    while len(wheels.velocities) < 15:  # for longer than a program may be without a call
+        happy.laser.read()
+    assert set(wheels.velocities) == {(0.2, 0.0)}
+
+
+@pytest.mark.parametrize("wait", ["sleep", "every", "move"])
+def test_driving_goes_on_while_the_program_sleeps_or_moves_something(
+    world: World, monkeypatch: pytest.MonkeyPatch, wait: str
+) -> None:
+    monkeypatch.setattr("agents.client.loop_thread.ATTENTION", 0.2)
+    wheels: BasePart = world.agent("base@happy")
+    with world.team() as team:
+        grumpy = team.robot("grumpy")
+        waits: dict[str, Callable[[], object]] = {
+            "sleep": lambda: team.sleep(3600.0),
+            "every": lambda: list(team.every(3600.0)),
+            "move": lambda: grumpy.base.move(99.0),
+        }
+
+        def rest() -> None:
+            with suppress(Stopped):
+                waits[wait]()
+
+        resting = threading.Thread(target=rest)
+        resting.start()
+        team.robot("happy").base.drive(0.2)
+        try:
+            wait_until(lambda: len(wheels.velocities) >= 10)
+            assert set(wheels.velocities) == {(0.2, 0.0)}
+        finally:
+            team._thread.stop("enough")
+            resting.join()
 
 
 def test_the_end_of_the_block_stops_what_drives(world: World) -> None:
