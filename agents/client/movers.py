@@ -1,20 +1,23 @@
 """The clients of elements that move. The motions of a program stop when the program ends."""
 
+import asyncio
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from typing import Any, Generic
 
 from agents.client.driving import ContinuousDrive
-from agents.client.element import ElementClient, R, plain
+from agents.client.element import PATIENCE, ElementClient, R, plain
 from agents.client.errors import RequestTimedOut, RobotError
 from agents.client.holding import ProgramLease
 from agents.client.loop_thread import LoopThread
 from agents.client.readings import ArmReading, BaseReading, GripperReading, PtzReading
-from agents.platform import AgentName
-from bus import keys
+from agents.platform import AgentName, Ending, Outcome, Performative
+from bus import BusError, keys
+from bus.keys import Topic
 from geometry import Pose2D
 
 MOTION = 300.0  # s for the longest motion; errors are reported earlier
+STOP_TIME = 1.0  # s for the base's agent to obey a stop, and then for the gateway
 
 
 class _Mover(ElementClient[R], Generic[R]):
@@ -158,9 +161,9 @@ class BaseClient(_Mover[BaseReading]):
             self._move("drive", linear=linear, angular=angular, seconds=seconds)
 
     def stop(self) -> None:
-        """Stop."""
+        """Stop, and return when the robot stands. If its agents do not answer, its gateway stops it."""
         self._end_driving()
-        self.ask("stop")
+        self._order("stop", keys.STOP)
         self._thread.moving.pop(self, None)
         self._driving.has_stopped()
 
@@ -170,11 +173,35 @@ class BaseClient(_Mover[BaseReading]):
 
     def estop(self, on: bool = True) -> None:
         """Stop at once, and block all motions until `estop(False)` and `enable()`."""
-        self.ask("estop", on=on)
+        self._order("estop", keys.ESTOP, on=on)
 
     def _end_driving(self) -> None:
         """End what `drive` without `seconds` has begun."""
         self._thread.call(self._driving.end())
+
+    def _order(self, request: str, topic: Topic, **arguments: Any) -> None:
+        """Have the agent obey, or the gateway if the agent does not.
+
+        Raises:
+            RobotError: Neither does; the error is that of the agent.
+        """
+        self._result_of(request, self._thread.call(self._obeyed(request, topic, arguments)))
+
+    async def _obeyed(self, request: str, topic: Topic, arguments: Mapping[str, Any]) -> Outcome:
+        conversation = self._thread.agent.initiator.conversation(
+            Performative.REQUEST, self.agent, request, arguments, PATIENCE, PATIENCE
+        )
+        asking = asyncio.ensure_future(conversation.outcome())
+        try:
+            await asyncio.wait([asking], timeout=STOP_TIME)
+            is_obeyed = asking.result().is_done if asking.done() else conversation.agreed
+            if not is_obeyed:
+                with suppress(BusError, TimeoutError):  # the agent's outcome tells more
+                    key = topic.key(self.agent.platform)
+                    return Outcome(Ending.DONE, await self._thread.agent.query(key, arguments, STOP_TIME))
+            return await asking
+        finally:
+            asking.cancel()
 
     async def _halt(self) -> None:
         await self._driving.end()

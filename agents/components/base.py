@@ -11,7 +11,7 @@ from typing import Any
 
 from agents.components.pose_control import PoseControlLimits, PoseGoal, Velocity
 from agents.components.wheels import Wheels
-from agents.platform import asker, request
+from agents.platform import agree, asker, request
 from bus import Refused, keys
 from geometry import Pose2D
 
@@ -85,6 +85,7 @@ class BaseAgent(Wheels):
     async def stop(self) -> dict[str, Any]:
         """Stop the whole robot, also arm and gripper, and answer when it stands. No lease is needed."""
         await self.command(keys.STOP)
+        agree()  # an initiator without this in time stops the robot by the gateway
         self.hold(HOLD)
         self.moving.end(f"stopped by {asker()}")
         await self.come_to_rest()

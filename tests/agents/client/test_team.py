@@ -3,18 +3,20 @@
 import asyncio
 import math
 import threading
-from collections.abc import Callable
-from contextlib import suppress
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from functools import partial
 from typing import Any
 
 import numpy as np
 import pytest
 
-from agents import Failed, NotThere, Refused, RobotError, Stopped, Team, TimedOut
+from agents import Failed, NotThere, Refused, Robot, RobotError, Stopped, Team, TimedOut
 from agents.client import discovery
 from agents.client.readings import OtherReading
-from agents.platform import Agent, AgentName, request
-from bus import MemoryBus, messages
+from agents.platform import Agent, AgentName, agree, request
+from bus import MemoryBus, keys, messages
+from bus import Refused as BusRefused
 from tests.agents.client.conftest import LASER, BasePart, Part, World
 from tests.waiting import wait_until
 
@@ -426,6 +428,96 @@ def test_driving_goes_on_while_the_program_sleeps_or_moves_something(
         finally:
             team._thread.stop("enough")
             resting.join()
+
+
+class Gateway:
+    """The gateway of happy, in a program of its own. obeyed: commands with their arguments."""
+
+    def __init__(self, world: World, refusal: str = "") -> None:
+        self.obeyed: list[tuple[str, dict[str, Any]]] = []
+        self._bus = MemoryBus(world.network)
+        self._refusal = refusal
+        for topic in (keys.STOP, keys.ESTOP):
+            self._bus.serve(topic.key("happy"), partial(self._obey, topic.suffix))
+
+    def _obey(self, command: str, given: dict[str, Any]) -> dict[str, Any]:
+        if self._refusal:
+            raise BusRefused(self._refusal)
+        self.obeyed.append((command, given))
+        return {"accepted": True}
+
+
+@contextmanager
+def frozen(world: World) -> Iterator[None]:
+    """The container of the robots' agents answers nothing during a block."""
+    thaw = threading.Event()
+    world.loop.call_soon_threadsafe(thaw.wait)
+    try:
+        yield
+    finally:
+        thaw.set()
+
+
+STOPS: list[tuple[Callable[[Robot], object], tuple[str, dict[str, Any]]]] = [
+    (lambda robot: robot.base.stop(), ("command/stop", {})),
+    (lambda robot: robot.stop(), ("command/stop", {})),
+    (lambda robot: robot.base.estop(), ("command/estop", {"on": True})),
+    (lambda robot: robot.base.estop(False), ("command/estop", {"on": False})),
+]
+
+
+@pytest.mark.parametrize(("order", "told"), STOPS)
+def test_a_stop_reaches_the_gateway_when_the_agents_of_the_robot_do_not_answer(
+    world: World, team: Team, order: Callable[[Robot], object], told: tuple[str, dict[str, Any]]
+) -> None:
+    gateway, happy = Gateway(world), team.robot("happy")
+    assert happy.base.pose().x == 0.0
+    with frozen(world):
+        order(happy)
+    assert gateway.obeyed == [told]
+
+
+@pytest.mark.parametrize(("order", "told"), STOPS)
+def test_a_stop_reaches_the_gateway_when_the_agents_of_the_robot_have_gone(
+    world: World, team: Team, order: Callable[[Robot], object], told: tuple[str, dict[str, Any]]
+) -> None:
+    gateway, happy = Gateway(world), team.robot("happy")
+    assert happy.base.pose().x == 0.0
+    world.run(world.container.stop("base@happy"))
+    order(happy)
+    assert gateway.obeyed == [told]
+
+
+def test_a_stop_that_neither_agent_nor_gateway_obeys_is_an_error(world: World, team: Team) -> None:
+    Gateway(world, refusal="the robot is away")
+    base = team.robot("happy").base
+    world.run(world.container.stop("base@happy"))
+    with pytest.raises(NotThere, match="nobody answers as base@happy"):
+        base.stop()
+    with pytest.raises(NotThere, match="nobody answers as base@happy"):
+        base.estop()
+
+
+class RollingBase(Agent):
+    """A base that takes longer to stand than its agent may take to obey."""
+
+    @request("stop", agrees_itself=True)
+    async def stop(self) -> str:
+        agree()
+        await asyncio.sleep(0.5)
+        return "stands"
+
+
+def test_a_robot_that_rolls_after_a_stop_is_waited_for_and_stopped_once(
+    world: World, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("agents.client.movers.STOP_TIME", 0.2)
+    gateway = Gateway(world)
+    world.run(world.container.stop("base@happy"))
+    world.add(RollingBase("base@happy"))
+    with world.team() as team:
+        team.robot("happy").base.stop()
+    assert gateway.obeyed == []
 
 
 def test_the_end_of_the_block_stops_what_drives(world: World) -> None:

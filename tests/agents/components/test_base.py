@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 
 from agents.components.wheels import STANDING
-from agents.platform import Agent, AgentName, Container, Ending
+from agents.platform import Agent, AgentName, Container, Ending, Performative
 from agents.platform.conversations.fipa_request import Request
 from bus import messages
 from tests.agents.components.conftest import Lab
@@ -305,6 +305,17 @@ class TestOneAtATime:
         lab.bus.put("happy/cmd_vel", messages.twist(0.1, 0.0))
         lab.until(moving.done, 1.0)
         assert moving.result().why.startswith("another command took its place after 0.")
+
+    def test_a_stop_is_agreed_to_when_the_gateway_has_obeyed_and_done_when_the_robot_stands(self, lab: Lab) -> None:
+        lab.begin("base", "move", distance=2.0)
+        lab.run(2.0)
+        stopping = lab.app.initiator.conversation(Performative.REQUEST, "base@happy", "stop", {}, 10.0, 10.0)
+        stands = lab.loop.create_task(stopping.outcome())
+        lab.until(lambda: stopping.agreed, 1.0)
+        assert not stands.done()
+        assert speed(lab) > 0.1
+        lab.until(stands.done, 3.0)
+        assert speed(lab) < 0.01
 
     def test_a_drive_right_after_a_stop_waits_until_the_stop_no_longer_holds(self, lab: Lab) -> None:
         lab.value("base", "stop")
