@@ -19,7 +19,6 @@ SPEED = PoseControlLimits(0.4, 0.8)  # m/s and rad/s, where the request has no s
 SLOWEST = PoseControlLimits(0.05, 0.05)  # m/s and rad/s from which the gateway computes its timeout
 PATIENCE = 15.0  # s added to that timeout
 FARTHEST = 1000.0  # m; a position farther away is taken for a typing error
-HOLD = 0.55  # s after a stop in which the gateway ignores streams of velocities
 
 
 class BaseAgent(Wheels):
@@ -84,9 +83,8 @@ class BaseAgent(Wheels):
     @request("stop", agrees_itself=True)
     async def stop(self) -> dict[str, Any]:
         """Stop the whole robot, also arm and gripper, and answer when it stands. No lease is needed."""
-        await self.command(keys.STOP)
+        await self.stop_robot()
         agree()  # an initiator without this in time stops the robot by the gateway
-        self.hold(HOLD)
         self.moving.end(f"stopped by {asker()}")
         await self.come_to_rest()
         return self.latest()

@@ -30,6 +30,7 @@ TIME_TO_REST = 2.0  # s
 MOST_TO_START = 0.8  # s until a robot moves after the command, also with a radio modem
 NEWS_TIME = 0.1  # s within which the reason of a stop is known
 UNBOUND = 5.0  # s of steering for an initiator without a heartbeat
+HOLD = 0.55  # s after a stop in which the gateway ignores streams of velocities
 MOST_ENDS = 16  # ends of motions that are kept
 
 
@@ -55,7 +56,7 @@ class Wheels(ElementAgent):
 
     async def setup(self) -> None:
         """Subscribe to the odometry."""
-        self.moving = OneAtATime(self.bus, self._halt)
+        self.moving = OneAtATime(self.bus, self._halt, self.stop_robot)
         await super().setup()
 
     @property
@@ -153,7 +154,7 @@ class Wheels(ElementAgent):
         Raises:
             Refused: It has not begun, or has failed.
         """
-        await asyncio.sleep(max(0.0, self._held_until - self._now))
+        delay = max(0.0, self._held_until - self._now)
 
         async def begin() -> None:
             await self._ask_for(choose(self.pose), token)
@@ -172,8 +173,8 @@ class Wheels(ElementAgent):
         with self.commanding_motion() as heartbeat:
             if heartbeat is None and within > UNBOUND:
                 within, late = UNBOUND, f"{what} was ended after {UNBOUND:g} s, since {asker()} has no heartbeat"
-            ends_at = self._now + within
-            await self.moving.run(what, token, begin, follow)
+            ends_at = self._now + delay + within
+            await self.moving.run(what, token, begin, follow, delay)
         return self.latest()
 
     async def come_to_rest(self) -> None:
@@ -183,9 +184,14 @@ class Wheels(ElementAgent):
         while self._now < until and self._rolls:
             await self._next(REPEAT)
 
-    def hold(self, seconds: float) -> None:
-        """Note a stop, after which the gateway ignores streams of velocities for this time."""
-        self._held_until = self._now + seconds
+    async def stop_robot(self) -> None:
+        """Stop the whole robot; afterwards the gateway ignores streams of velocities for a while.
+
+        Raises:
+            Refused: The gateway refuses, or there is none.
+        """
+        await self.command(keys.STOP)
+        self._held_until = self._now + HOLD
 
     async def _steer_on(self, choose: Callable[[Pose2D], Velocity], ends_at: float, token: str, late: str) -> str:
         """Steer to the end; return the error, or an empty text."""

@@ -1,14 +1,17 @@
 """The base moves the robot, and every request that does so ends as it should: done, failed with a reason, cancelled."""
 
+import asyncio
 from math import hypot, pi
 from typing import Any
 
 import pytest
 
+from agents.components.base import BaseAgent
 from agents.components.wheels import STANDING
 from agents.platform import Agent, AgentName, Container, Ending, Performative
 from agents.platform.conversations.fipa_request import Request
-from bus import messages
+from bus import keys, messages
+from bus.keys import Topic
 from tests.agents.components.conftest import Lab
 
 MOTIONS: list[tuple[str, dict[str, Any]]] = [
@@ -26,6 +29,27 @@ STOPS: list[tuple[tuple[str, dict[str, Any]], str]] = [
     (("stop", {}), "stopped by app@lab"),
     (("enable", {"on": False}), "motors"),
 ]
+
+
+ENDS = [
+    (("stop", {}), "stopped by app@lab"),
+    (("enable", {"on": True}), "the motors were switched on by app@lab"),
+]
+
+
+def hold_back(lab: Lab, monkeypatch: pytest.MonkeyPatch, topic: Topic) -> asyncio.Event:
+    """Have a command of the base's agent reach the gateway only after the returned event is set."""
+    base, release = lab.container.agent(AgentName("base", "happy")), asyncio.Event()
+    assert isinstance(base, BaseAgent)
+    command = base.command
+
+    async def late(given: Topic, /, **arguments: Any) -> dict[str, Any]:
+        if given is topic:
+            await release.wait()
+        return await command(given, **arguments)
+
+    monkeypatch.setattr(base, "command", late)
+    return release
 
 
 @pytest.fixture
@@ -298,6 +322,46 @@ class TestOneAtATime:
         lab.do(lab.container.stop("base@happy"))
         assert stands_within(lab, 1.2)
         assert asking.result().ending in (Ending.FAILED, Ending.DIED)
+
+    @pytest.mark.parametrize(("stop", "arguments", "why"), [(*stop, why) for stop, why in ENDS])
+    def test_a_stop_ends_a_motion_that_the_gateway_begins_after_it(
+        self, lab: Lab, monkeypatch: pytest.MonkeyPatch, stop: str, arguments: dict[str, Any], why: str
+    ) -> None:
+        release = hold_back(lab, monkeypatch, keys.MOVE)
+        moving = lab.begin("base", "move", distance=2.0)
+        lab.run(0.1)
+        lab.value("base", stop, **arguments)
+        release.set()
+        lab.until(moving.done, 2.0)
+        assert moving.result().ending is Ending.REFUSED
+        assert why in moving.result().why
+        assert stands_within(lab, 1.5)
+        assert lab.value("base", "move", distance=0.1)
+
+    @pytest.mark.parametrize(("name", "arguments"), [*MOTIONS, ("turn", {"angle": pi})])
+    def test_a_stop_ends_a_request_that_waits_for_the_one_before_to_begin(
+        self, lab: Lab, monkeypatch: pytest.MonkeyPatch, name: str, arguments: dict[str, Any]
+    ) -> None:
+        release = hold_back(lab, monkeypatch, keys.HEADING)
+        first = lab.begin("base", "heading", heading=1.0)
+        lab.run(0.1)
+        waiting = lab.begin("base", name, **arguments)
+        lab.run(0.1)
+        lab.value("base", "stop")
+        release.set()
+        lab.until(lambda: first.done() and waiting.done(), 2.0)
+        assert waiting.result().ending is Ending.REFUSED
+        assert waiting.result().why == "stopped by app@lab"
+        assert stands_within(lab, 1.5)
+
+    def test_a_stop_ends_a_request_that_waits_until_the_stop_before_no_longer_holds(self, lab: Lab) -> None:
+        lab.value("base", "stop")
+        driving = lab.begin("base", "drive", linear=0.2, seconds=1.0)
+        lab.run(0.05)
+        lab.value("base", "stop")
+        lab.until(driving.done, 1.0)
+        assert driving.result().ending is Ending.REFUSED
+        assert driving.result().why == "stopped by app@lab"
 
     def test_velocities_of_somebody_else_end_a_motion(self, lab: Lab) -> None:
         moving = lab.begin("base", "move", distance=2.0)
