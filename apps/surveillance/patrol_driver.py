@@ -152,10 +152,11 @@ class PatrolDriver:
     async def _send(self, place: Point, tolerance: float) -> None:
         x, y = place
         there = {"x": x, "y": y, "tolerance": 0.7 * tolerance, "frame": "map"}
-        self._mission = "?"  # before the reply: a drive that is cancelled now cancels this mission as well
+        before, self._mission = self._mission, "?"  # a drive that is cancelled now cancels this mission as well
         begun = await self._agent.request(self._interface, "go", reply_within=_REPLY, **there)
         if not begun.is_done:
-            self._mission = ""
+            if begun.ending is not Ending.TIMED_OUT:  # after that, this mission may have begun
+                self._mission = before  # it is still under way
             raise PlaceNotReached(begun.why)
         self._mission = str(begun.result["mission"])
 
