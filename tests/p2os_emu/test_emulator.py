@@ -109,7 +109,7 @@ def test_restart_carries_the_robot_back_and_presses_reset() -> None:
     rig = Rig()
     rig.drive()
     assert rig.emulator.world.truth("happy").pose.x > 0.1
-    rig.emulator.restart("happy")
+    rig.emulator.restart(["happy"])
     assert rig.emulator.world.truth("happy").pose == Pose2D()
     rig.run(0.1)
     assert not rig.robot.microcontroller.connected

@@ -349,7 +349,7 @@ def test_robot_that_is_reset_keeps_its_faults(rig: Rig) -> None:
     rig.fault("stop-pressed:robot=happy")
     rig.fault("sonar-dead:robot=happy")
     rig.run(STEP)
-    rig.emulator.restart("happy")
+    rig.emulator.restart(["happy"])
     rig.run(STEP)
     assert rig.happy.microcontroller.panel.stop_button
     assert rig.happy.body.sonar.dead
