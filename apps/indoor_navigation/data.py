@@ -23,9 +23,7 @@ Place = tuple[float, float]
 Pose = tuple[float, float, float]  # x, y, heading
 
 DIGITS = 3  # decimal places of lengths on the bus, in m; the sensors have no finer resolution
-LEAST_TOLERANCE = (
-    0.1  # m from a goal that count as reached; plans end up to 0.075 m from it, and robots stop about there
-)
+LEAST_TOLERANCE = 0.1  # m; plans end up to 0.075 m from a goal, and robots stop about there
 
 
 @dataclass(frozen=True, slots=True)
