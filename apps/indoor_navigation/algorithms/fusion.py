@@ -16,6 +16,7 @@ LIMITS = "limit", "back", "left", "right"
 NON_NEGATIVE = "weight", *LIMITS
 NUMBERS = "stamp", "linear", "angular", *NON_NEGATIVE
 MAX_GAP = 0.3  # s between two fused commands; after a longer gap the base has stopped the robot
+LATE_COMMANDS = 20  # too old on arrival in a row after which it is no delay; each from another reading
 MAX_VALUE = 1e6  # of any value of a command except its stamp; a larger one is an error
 
 
@@ -84,6 +85,7 @@ class Fusion:
     def __init__(self, parameters: FusionParameters) -> None:
         self._parameters = parameters
         self._heard: dict[str, SourceCommand] = {}
+        self._late: dict[str, int] = {}  # readings in a row whose commands were too old on arrival, by source
         self._linear = self._angular = 0.0
         self._fused_at = -inf
 
@@ -106,10 +108,21 @@ class Fusion:
         _check(command)
         read_at = now - max(0.0, wall_time - command.stamp)
         before = self._heard.get(command.source)
-        if before is not None and before.command.stamp == command.stamp:
+        is_repeated = before is not None and before.command.stamp == command.stamp
+        if before is not None and is_repeated:
             read_at = min(read_at, before.read_at)
         source = self._parameters.sources.get(command.source) or CommandSource()
-        self._heard[command.source] = SourceCommand(command, read_at, source)
+        heard = self._heard[command.source] = SourceCommand(command, read_at, source)
+        if not is_repeated:
+            self._late[command.source] = 0 if heard.is_young(now) else self._late.get(command.source, 0) + 1
+
+    def is_late(self, source: str) -> bool:
+        """Return whether new commands of a required source keep arriving, all of them too old to be used.
+
+        The readings have stamps of another machine, so its clock may be behind.
+        """
+        heard = self._heard[source]
+        return heard.source.required and self._late[source] >= LATE_COMMANDS
 
     def young(self, now: float) -> list[SourceCommand]:
         """Return the commands that may be used."""

@@ -50,6 +50,7 @@ class MotionFuser(Component):
         self._fused_at = self._due = self._now
         self._pushes, self._work = LastSecond(), LastSecond()
         self._invalid: set[str] = set()  # keys whose invalid commands have been reported
+        self._late: set[str] = set()  # sources whose commands have been reported as too old on arrival
         known = self.parameters.fusion.sources
         self._wakers = {name for name in self.sources(MotionCmd) if name not in known or not known[name].required}
         self.add(Cyclic(self._fuse_next), Restart())
@@ -79,6 +80,7 @@ class MotionFuser(Component):
             self._complain(sample.key, err)
         else:
             self._invalid.discard(sample.key)
+            self._check_clock(command.source, heard_at)
 
     @answers_query("load")
     def load(self) -> dict[str, Any]:
@@ -124,6 +126,19 @@ class MotionFuser(Component):
         if key not in self._invalid:
             self._invalid.add(key)
             self.home.report(self.name, "an invalid command is ignored", error)
+
+    def _check_clock(self, source: str, heard_at: float) -> None:
+        """Report once that the clock of the robot's machine is probably behind, until a young command arrives."""
+        if not self._fusion.is_late(source):
+            self._late.discard(source)
+        elif source not in self._late:
+            self._late.add(source)
+            age = self._fusion.heard[source].age(heard_at)
+            why = (
+                f"commands of {source} are {age:.2f} s old when they arrive, and the robot stands; the clocks of two "
+                "machines differ by that, or their link is slow: set the clocks by NTP, or check the link"
+            )
+            self.home.report(self.name, why, None)
 
     @property
     def _now(self) -> float:

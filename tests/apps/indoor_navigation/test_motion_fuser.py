@@ -6,6 +6,7 @@ from itertools import pairwise
 import pytest
 
 from agents.platform.virtual_time import VirtualTimeLoop
+from apps.indoor_navigation.algorithms.fusion import LATE_COMMANDS
 from apps.indoor_navigation.component import push_key
 from apps.indoor_navigation.components.motion_fuser import MotionFuser
 from apps.indoor_navigation.data import MotionCmd
@@ -105,6 +106,37 @@ def test_a_source_that_repeats_an_old_reading_is_as_good_as_dead(site: Site) -> 
         site.push("obstacle_avoiding", MotionCmd(stuck, "obstacle_avoiding", 0.3, 0.0, 1.0))
         site.run(0.1)
     assert fused[-1].linear == 0.0
+
+
+def test_a_required_source_whose_clock_is_behind_is_said_once_with_the_difference(site: Site) -> None:
+    fused = site.pushed("motion_fuser", MotionCmd)
+    for _ in range(5 * LATE_COMMANDS):
+        want(site, "goto", 0.3)
+        want(site, "obstacle_avoiding", 0.3, age=0.8)
+        site.run(0.1)
+    assert all(one.linear == 0.0 for one in fused)
+    assert len(site.reports) == 1
+    assert "commands of obstacle_avoiding are 0.80 s old when they arrive, and the robot stands" in site.reports[0]
+    drive(site, 1.0, "goto", "obstacle_avoiding")
+    assert fused[-1].linear > 0.0
+    for _ in range(2 * LATE_COMMANDS):
+        want(site, "obstacle_avoiding", 0.3, age=0.8)
+        site.run(0.1)
+    assert len(site.reports) == 2, "it was right meanwhile"
+
+
+def test_the_clock_is_not_blamed_for_a_source_that_was_frozen_repeats_a_reading_or_is_not_required(site: Site) -> None:
+    for _ in range(LATE_COMMANDS - 1):
+        want(site, "obstacle_avoiding", 0.3, age=0.8)
+        site.run(0.01)
+    want(site, "obstacle_avoiding", 0.3)
+    site.run(0.1)
+    stuck = site.time
+    for _ in range(3 * LATE_COMMANDS):
+        want(site, "goto", 0.3, age=0.8)
+        site.push("obstacle_avoiding", MotionCmd(stuck, "obstacle_avoiding", 0.3, 0.0, 1.0))
+        site.run(0.1)
+    assert site.reports == []
 
 
 def test_a_command_with_no_number_is_said_once_and_moves_nothing(site: Site) -> None:
