@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from ruamel.yaml import YAML
-from ruamel.yaml.error import MarkedYAMLError
+from ruamel.yaml.error import MarkedYAMLError, YAMLError
 
 from geometry.map_file import Cairn, MapError
 from geometry.pose import Pose2D, wrap_angle
@@ -62,6 +62,8 @@ def parse_map_yaml(text: str, source: str) -> MapYaml:
     except MarkedYAMLError as err:
         line = f":{err.problem_mark.line + 1}" if err.problem_mark else ""
         raise MapError(f"{source}{line}: {err.problem or err.context}; a map needs rows `key: value`") from err
+    except (YAMLError, ValueError) as err:  # a character that YAML does not allow, or a date that does not exist
+        raise MapError(f"{source}: {str(err).splitlines()[0]}; a map needs rows `key: value`") from err
     if not isinstance(table, dict):
         raise MapError(f"{source}:1: no rows `key: value`; a map needs image, resolution and origin")
     return _Rows(table, source).to_yaml()

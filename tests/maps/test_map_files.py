@@ -145,6 +145,8 @@ GOOD = {"image": "a.pgm", "resolution": "0.05", "origin": "[0, 0, 0]"}
         ({"negate": "7"}, r"a\.yaml:4: negate must be 0 or 1"),
         ({"free_thresh": "0.9"}, r"a\.yaml:4: free_thresh 0.9 must be below"),
         ({"image": "[1"}, r"a\.yaml:\d: "),
+        ({"image": "a\x07.pgm"}, r"a\.yaml: unacceptable character #x0007: .*; a map needs rows `key: value`$"),
+        ({"image": "2001-99-99"}, r"a\.yaml: month must be in 1\.\.12; a map needs rows `key: value`$"),
         ({"image": "b.pgm"}, r"b\.pgm: cannot be read"),
         ({"image": "half.pgm"}, r"half\.pgm: the file has 3 of 4 pixels"),
         ({"image": "a.yaml"}, r"a\.yaml: no PGM picture"),
