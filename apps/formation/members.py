@@ -29,13 +29,15 @@ class MemberState:
     """What is known of a robot.
 
     pose: m, m, rad in a frame that all members share. twist: m/s, rad/s. heard: when this was new, s on the clock of
-    the controller. echoes: of its range sensors, at most a second old.
+    the controller. echoes: of its range sensors, at most a second old. trouble: why it must not drive as a follower, in
+    words, such as `has a silent sonar`.
     """
 
     pose: Pose2D
     twist: Twist2D
     heard: float
     echoes: tuple[RangeEcho, ...] = ()
+    trouble: str = ""
 
 
 class PoseSource(Protocol):

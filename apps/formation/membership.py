@@ -41,15 +41,18 @@ class Membership:
         return now - state.heard > self._silence
 
     def can_be_driven(self, name: str, states: Mapping[str, MemberState], now: float) -> bool:
-        """Return whether a follower is heard, and does not refuse."""
-        refuses = bool(self.followers[name].refusal)
-        return name in states and not refuses and not self.is_silent(states[name], now)
+        """Return whether a follower is heard, has no trouble, and does not refuse."""
+        if name not in states or self.followers[name].refusal or states[name].trouble:
+            return False
+        return not self.is_silent(states[name], now)
 
     def judge_hearing(self, now: float, states: Mapping[str, MemberState]) -> None:
         """Find out which followers cannot be driven."""
         for name, member in self.followers.items():
             if name not in states or self.is_silent(states[name], now):
                 self._lose(member, self._unheard)
+            elif states[name].trouble:
+                self._lose(member, states[name].trouble)
             elif member.refusal:
                 self._lose(member, f"refuses to drive: {member.refusal}")
             elif member.trouble and member.trouble != STUCK:

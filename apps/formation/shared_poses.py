@@ -14,6 +14,7 @@ from geometry import Pose2D, Twist2D
 
 FASTEST = 3.0  # m/s; no robot here is faster
 LEAP = 0.3  # m beyond that by which odometry moves only when a gateway has started again, with a new origin
+ECHOES_FOR = 1.0  # s for which the echoes of a sonar hold; without newer ones the robot is not driven
 ANSWER_TIME = 1.0  # s for a reading or a command; the other robots do not wait for it
 
 
@@ -55,7 +56,11 @@ def _pose(name: object, row: object) -> Pose2D:
 
 @dataclass(slots=True)
 class _Shared:
-    """What a robot has answered. refusal: why it cannot be driven, in words."""
+    """What a robot has answered.
+
+    stamp, sonar_stamp: of the latest readings, s on the gateway's clock. echoes_at: when the latter was new.
+    refusal: why it cannot be driven, in words.
+    """
 
     robot: Robot
     start: Pose2D
@@ -63,6 +68,8 @@ class _Shared:
     stamp: float = math.nan
     state: MemberState | None = None
     echoes: tuple[RangeEcho, ...] = ()
+    sonar_stamp: float = math.nan
+    echoes_at: float = -math.inf
     refusal: str = ""
     has_leapt: bool = False
 
@@ -137,13 +144,17 @@ class SharedPoses:
         """Take what has been answered."""
         sonar = self._requests.take((shared.robot.name, "sonar"))
         odometry = self._requests.take((shared.robot.name, "odometry"))
-        if sonar is not None:
-            shared.echoes = () if sonar.exception() else sonar.result()
+        if sonar is not None and sonar.exception() is None:
+            sonar_stamp, echoes = sonar.result()
+            if sonar_stamp != shared.sonar_stamp:  # the same reading again tells nothing of what is there now
+                shared.sonar_stamp, shared.echoes, shared.echoes_at = sonar_stamp, echoes, now
+        is_blind = shared.has_sonar and now - shared.echoes_at > ECHOES_FOR
         if odometry is not None and odometry.exception() is None:
             stamp, pose, twist = odometry.result()
             if stamp != shared.stamp:  # the same reading again is no sign of life
                 shared.stamp = stamp
-                state = MemberState(shared.start.compose(pose), twist, now, shared.echoes)
+                echoes, trouble = ((), "has a silent sonar") if is_blind else (shared.echoes, "")
+                state = MemberState(shared.start.compose(pose), twist, now, echoes, trouble)
                 shared.has_leapt = shared.has_leapt or _leaps(shared.state, state)
                 shared.state = state if not shared.has_leapt else shared.state
 
@@ -154,11 +165,11 @@ class SharedPoses:
         return float(told["stamp"]), pose, Twist2D(float(told["linear"]), float(told["angular"]))
 
     @staticmethod
-    def _ask_sonar(shared: _Shared) -> tuple[RangeEcho, ...]:
-        ranges = shared.robot.sonar.ask("read", within=ANSWER_TIME)["ranges"]
+    def _ask_sonar(shared: _Shared) -> tuple[float, tuple[RangeEcho, ...]]:
+        told = shared.robot.sonar.ask("read", within=ANSWER_TIME)
         discs = shared.robot.sonar.discs
-        return tuple(
+        return float(told["stamp"]), tuple(
             RangeEcho(number, Pose2D(discs[number].x, discs[number].y, discs[number].heading), float(distance))
-            for number, distance in ranges.items()
+            for number, distance in told["ranges"].items()
             if distance is not None and number in discs
         )

@@ -79,6 +79,28 @@ def test_a_lost_member_closes_the_gap_and_regains_its_place() -> None:
     assert toy.told == [f"{lost} is silent; the others close the gap", f"{lost} is back"]
 
 
+def test_a_member_whose_sonar_is_silent_stands_and_is_told_as_lost_until_it_hears_again() -> None:
+    toy = Toy(2, "triangle")
+    toy.run(12.0)
+    toy.blind.add("robot-1")
+    toy.run(1.0)
+    assert toy.orders.twists["robot-1"] == Twist2D()
+    assert toy.orders.twists["robot-2"] != Twist2D()
+    assert [member.name for member in toy.formation.members.lost] == ["robot-1"]
+    toy.blind.clear()
+    toy.run(15.0, Twist2D(0.1, 0.0))
+    assert toy.told == ["robot-1 has a silent sonar; the others close the gap", "robot-1 is back"]
+    assert toy.off() < 0.06
+
+
+def test_a_leader_whose_sonar_is_silent_is_followed() -> None:
+    toy = Toy(2, "triangle")
+    toy.blind.add("leader")
+    toy.run(12.0)
+    assert toy.told == []
+    assert toy.off() < 0.06
+
+
 @pytest.mark.parametrize(("settings", "others_drive"), [(SETTINGS, True), (WAIT, False)])
 def test_a_stopped_member_is_left_behind_or_waited_for(settings: FormationSettings, others_drive: bool) -> None:
     toy = Toy(2, "column", settings)

@@ -1,10 +1,13 @@
 """Poses shared on the bus, with robots that are not there: silence, jumps and refusals."""
 
+from itertools import count
 from typing import Any, cast
 
 import pytest
 
 from agents import Robot, RobotError
+from agents.client.readings import SonarDiscPose
+from apps.formation.members import MemberState
 from apps.formation.shared_poses import SharedPoses, read_starts
 from geometry import Pose2D, Twist2D
 from tests.waiting import wait_until
@@ -25,14 +28,28 @@ class Base:
         self.driven = Twist2D(linear, angular)
 
 
-class FakeRobot:
-    """A robot without sonar."""
+class Sonar:
+    """Answers as a sonar of one disc does; `fails` as one whose agent has heard nothing for some time."""
 
     def __init__(self) -> None:
-        self.name, self.base = "doc", Base()
+        self.stamp, self.distance, self.fails = 1.0, 0.8, False
+        self.discs = {3: SonarDiscPose(number=3, frame="doc/sonar_3", x=0.1, y=0.0, heading=0.0, field_of_view=0.5)}
+
+    def ask(self, request: str, within: float) -> dict[str, Any]:
+        if self.fails:
+            raise RobotError("sonar@doc has heard nothing for 2.0 s")
+        return {"stamp": self.stamp, "ranges": {3: self.distance}}
+
+
+class FakeRobot:
+    """A robot, without sonar unless it is told to have one."""
+
+    def __init__(self, has_sonar: bool = False) -> None:
+        self.name, self.base, self.sonar = "doc", Base(), Sonar()
+        self._has_sonar = has_sonar
 
     def has(self, element: str) -> bool:
-        return element == "base"
+        return element == "base" or (element == "sonar" and self._has_sonar)
 
     def element(self, name: str) -> Base:
         return self.base
@@ -83,6 +100,35 @@ def test_a_refusal_is_told_until_the_robot_obeys(robot: FakeRobot, poses: Shared
     robot.base.refuses = False
     wait_until(lambda: poses.drive("doc", Twist2D(0.3, 0.0)) == "", "it obeys")
     wait_until(lambda: robot.base.driven == Twist2D(0.3, 0.0), "it drives")
+
+
+def look(robot: FakeRobot, poses: SharedPoses, now: float) -> MemberState:
+    """What is known after readings of odometry that are new at a time, s."""
+    robot.base.stamp = now
+    wait_until(lambda: heard(poses, now) == now, "the new odometry is taken")
+    return poses.read(now)["doc"]
+
+
+@pytest.mark.parametrize("fails", [False, True], ids=["repeats its reading", "refuses"])
+def test_the_echoes_of_a_sonar_that_falls_silent_hold_for_a_second(fails: bool) -> None:
+    robot = FakeRobot(has_sonar=True)
+    poses = SharedPoses([cast(Robot, robot)], {"doc": Pose2D()}, 0.2)
+    times = (1.0 + number / 1000.0 for number in count())
+    wait_until(lambda: look(robot, poses, next(times)).echoes, "the first echo is taken")
+    robot.sonar.fails = fails
+    state = look(robot, poses, 1.9)
+    assert [echo.distance for echo in state.echoes] == [0.8]
+    assert state.trouble == ""
+    state = look(robot, poses, 2.9)
+    assert state.echoes == ()
+    assert state.trouble == "has a silent sonar"
+    robot.sonar.fails, robot.sonar.stamp, robot.sonar.distance = False, 3.0, 0.5
+    wait_until(lambda: not look(robot, poses, 2.0 + next(times)).trouble, "the new echo is taken")
+    assert [echo.distance for echo in poses.read(3.5)["doc"].echoes] == [0.5]
+
+
+def test_a_robot_without_sonar_has_no_trouble(robot: FakeRobot, poses: SharedPoses) -> None:
+    assert look(robot, poses, 5.0).trouble == ""
 
 
 def test_starts_come_from_a_team_file() -> None:

@@ -16,9 +16,9 @@ RANGE = 1.5  # m to which a toy robot sees
 class Toy:
     """A leader and its followers on a plane.
 
-    poses: where they are. silent: of whom nothing is heard. frozen: who stands. walls: points that range sensors see.
-    orders: the last ones. told: all sentences. nearest, nearest_wall: how near two robots, and a robot and a wall
-    point, have been, m.
+    poses: where they are. silent: of whom nothing is heard. blind: whose sonar is silent. frozen: who stands. walls:
+    points that range sensors see. orders: the last ones. told: all sentences. nearest, nearest_wall: how near two
+    robots, and a robot and a wall point, have been, m.
     """
 
     def __init__(self, followers: int, shape: str, settings: FormationSettings | None = None) -> None:
@@ -27,6 +27,7 @@ class Toy:
         self.poses = {"leader": Pose2D()} | {name: Pose2D(-1.0, 1.0 - 0.9 * n, 0.0) for n, name in enumerate(names)}
         self.twists = dict.fromkeys(self.poses, Twist2D())
         self.silent: set[str] = set()
+        self.blind: set[str] = set()
         self.frozen: set[str] = set()
         self.walls: list[Point] = []
         self.orders = FormationOrders({})
@@ -63,4 +64,6 @@ class Toy:
             for number, (x, y) in seen
             if x * x + y * y < RANGE * RANGE
         )
+        if name in self.blind:
+            return MemberState(pose, self.twists[name], self.time, trouble="has a silent sonar")
         return MemberState(pose, self.twists[name], self.time, echoes)
