@@ -120,7 +120,7 @@ def _watch(team: Team, manager: str, record: NightRecord, lasts: float) -> None:
         has_begun = has_begun or bool(serving)
         if now >= next_report:
             next_report = now + _REPORT_PERIOD
-            print(f"{now:.0f} s: {_progress(record.status)}", flush=True)
+            print(f"{now:.0f} s: {_progress(record)}", flush=True)
         if lasts and now >= lasts:
             return
 
@@ -129,9 +129,10 @@ def _troubles(told: Mapping[str, Any]) -> list[str]:
     return [f"{robot}: {each['does']}" for robot, each in told["robots"].items()] or ["there is no robot on the bus"]
 
 
-def _progress(told: Mapping[str, Any]) -> str:
+def _progress(record: NightRecord) -> str:
+    told = record.status
     robots = [f"{robot} {each['does']}" for robot, each in told["robots"].items()]
-    return "; ".join([f"longest neglect {told['longest']:.0f} s, {len(told['alarms'])} alarms", *robots])
+    return "; ".join([f"longest neglect {told['longest']:.0f} s, {len(record.alarms)} alarms", *robots])
 
 
 def _finish(record: NightRecord, report: str, plan: BuildingMap | None) -> None:

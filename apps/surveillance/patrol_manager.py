@@ -5,6 +5,7 @@ agents of each robot. Each of them serves in a conversation that the manager kee
 """
 
 import asyncio
+import json
 from collections import deque
 from collections.abc import Coroutine, Mapping, Sequence
 from contextlib import suppress
@@ -31,12 +32,15 @@ _PUBLISHED = 1.0  # s between two results
 _REPLY = 5.0  # s for an agent to answer
 _FOLLOWING = 600.0  # s for a follower to end; it ends by itself before
 _EVENTS = 1000  # newest ones that are kept; some have a picture
+_REPLIED = 20  # events of one reply
+_REPLIED_SIZE = 200_000  # bytes of them, unless a single one is larger; a picture and a message are at most 256 KiB
+_ALARMS = 200  # newest ones that are told
 _SAME_VISIT = 1.5  # s between two reports of one visit
 _ROOM_KINDS = ("Goal", "GoalWithHeading")
 
 
 class PatrolManager(Agent):
-    """Results once a second: `robots`, `rooms` with neglect, `alarms`, `longest` neglect.
+    """Results once a second: `robots`, `rooms` with neglect, `alarms` (the newest 200), `longest` neglect.
 
     Properties: `settings` as a table; `rooms`: name to x and y in `map`, m, or none for the goals of the map; `robots`:
     names, all if empty; `starts`: robot to x, y (m) and heading (rad) in `map`, where its localization begins on `map`
@@ -88,8 +92,19 @@ class PatrolManager(Agent):
 
     @request("events")
     async def events_since(self, number: int = 0) -> list[dict[str, Any]]:
-        """Return what has happened from the event with this number on: number, time (s since 1970), text and more."""
-        return [each for each in self.events if each["number"] >= number][:20]
+        """Return what has happened from the event with this number on: number, time (s since 1970), text and more.
+
+        Only the first few events are returned, since some have pictures; ask again from the number after the last one.
+        """
+        found: list[dict[str, Any]] = []
+        size = 0
+        for event in self.events:
+            if event["number"] >= number:
+                size += len(json.dumps(event))
+                if found and (len(found) == _REPLIED or size > _REPLIED_SIZE):
+                    break
+                found.append(event)
+        return found
 
     def state_of_patrol(self) -> dict[str, Any]:
         """Return what the results have."""
@@ -122,7 +137,7 @@ class PatrolManager(Agent):
                 for room, (x, y) in self.places.items()
             },
             "longest": round(max(longest.values(), default=0.0), 1),
-            "alarms": [self._described(each) for each in self.alarms.alarms],
+            "alarms": [self._described(each) for each in self.alarms.alarms[-_ALARMS:]],
         }
 
     def _described(self, alarm: TeamAlarm) -> dict[str, Any]:

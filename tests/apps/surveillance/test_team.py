@@ -8,6 +8,7 @@ from typing import Any
 
 import pytest
 
+from agents.components.camera import MOST
 from apps.surveillance.algorithms.neglect import RoomVisit
 from apps.surveillance.settings import SurveillanceSettings
 from benchmarks.surveillance_course import SurveillanceCourse
@@ -222,6 +223,32 @@ def test_what_moves_before_the_camera_of_a_standing_robot_raises_an_alarm_with_a
     assert (alarm.robot, alarm.sensor) == ("happy", "camera")
     pictures = [event["picture"] for event in course.manager.events if "picture" in event]
     assert [base64.b64decode(each["data"]) for each in pictures] == [PICTURE]
+
+
+def ask(course: SurveillanceCourse, request: str, **arguments: Any) -> Any:
+    """The result of a request to the manager, which must be done."""
+    manager = course.manager
+    return course.loop.run_until_complete(manager.request(manager.name, request, **arguments)).value()
+
+
+def test_events_with_the_largest_pictures_are_told_in_several_replies(make: Make) -> None:
+    course = make()
+    picture = {"stamp": 1.0, "format": "jpeg", "data": base64.b64encode(bytes(MOST)).decode()}
+    for alarm in range(1, 31):
+        event = {"number": len(course.manager.events), "time": 1.0, "text": f"alarm {alarm}", "alarm": alarm}
+        course.manager.events.append(event | ({"picture": picture} if alarm < 4 else {}))
+    replies: list[list[dict[str, Any]]] = []
+    while events := ask(course, "events", number=sum(map(len, replies))):
+        replies.append(events)
+    assert [event for events in replies for event in events] == list(course.manager.events)
+    assert max(map(len, replies)) <= 20
+
+
+def test_the_status_has_the_newest_alarms(make: Make) -> None:
+    course = make()
+    for number in range(2000):
+        course.manager.alarms.take(course.time, "happy", "laser", (100.0 * number, 0.0))
+    assert [alarm["number"] for alarm in ask(course, "status")["alarms"]] == list(range(1801, 2001))
 
 
 def test_a_robot_of_the_team_that_drives_before_the_camera_raises_no_alarm(make: Make) -> None:
