@@ -7,6 +7,7 @@ from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from random import Random
 
+import configs
 from acromovi.lockstep import Lockstep
 from apps.robot_following.cycle import FollowingCycle
 from apps.robot_following.follower import FollowerState, FollowingStep
@@ -17,6 +18,7 @@ from bus import Refused, Sample, keys
 from bus.bus import Closeable
 from bus.messages import NS_PER_S, decode, heading, stamp_ns, twist
 from geometry import Point, Pose2D, Twist2D
+from p2os import RobotModel
 from p2os_emu.world import WorldSpec
 
 MODEL = "p3dx-sh"
@@ -207,6 +209,8 @@ class SightedRobot(Closeable):
         self._picture: tuple[float, bytes] | None = None
         self._found_at = lockstep.time
         self._settings = settings
+        laser = configs.load(RobotModel, "robots", MODEL).laser
+        self._mount = Pose2D(laser.x, laser.y, laser.heading)
         self.last: FollowingStep | None = None
         for topic, take in (
             (keys.ODOM, self._take_odometry),
@@ -257,7 +261,8 @@ class SightedRobot(Closeable):
 
     def _take_scan(self, sample: Sample) -> None:
         scan = decode(sample.type_name, sample.payload)
-        self._ranges = laser_points(scan.ranges, scan.angle_min, scan.angle_increment, self._settings.room)
+        room = self._settings.room
+        self._ranges = laser_points(scan.ranges, scan.angle_min, scan.angle_increment, self._mount, room)
 
     def _take_head(self, sample: Sample) -> None:
         message = decode(sample.type_name, sample.payload)

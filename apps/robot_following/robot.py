@@ -13,6 +13,7 @@ import numpy as np
 
 from agents import Robot, RobotError, Team
 from apps.background import BackgroundRequests
+from apps.docking.station import echo_points
 from apps.remote_vision.aiming import view_of
 from apps.robot_following.cycle import FollowingCycle
 from apps.robot_following.follower import FollowerState, FollowingStep
@@ -84,6 +85,8 @@ class FollowingRobot:
             if element in ("base", "camera", self._ranger) or (element == "ptz" and self._has_head)
         }
         self._discs = robot.sonar.discs if self._ranger == "sonar" else {}
+        place = robot.element("laser").properties.get("geometry", {}) if self._ranger == "laser" else {}
+        self._mount = Pose2D(place.get("x", 0.0), place.get("y", 0.0), place.get("heading", 0.0))
         self._due: dict[str, float] = {}
         self._ranges: list[Point] = []
         self._ranges_at = self._base_at = -math.inf
@@ -199,7 +202,7 @@ class FollowingRobot:
     def _take_laser(self, told: Any) -> None:
         first, increment = float(told["angle_min"]), float(told["angle_increment"])
         ranges = [math.inf if each is None else each for each in told["ranges"]]
-        self._ranges = laser_points(ranges, first, increment, self._settings.room)
+        self._ranges = laser_points(ranges, first, increment, self._mount, self._settings.room)
         self._take_stamp(told)
 
     def _take_sonar(self, told: Any) -> None:
@@ -274,20 +277,21 @@ def target_colours(team: Team, robot: Robot, given: str) -> ColourTable | None:
         raise RobotError(f"the colours of {given}: {err}") from err
 
 
-def laser_points(ranges: Sequence[float], first: float, increment: float, room: RoomSettings) -> list[Point]:
+def laser_points(
+    ranges: Sequence[float], first: float, increment: float, mount: Pose2D, room: RoomSettings
+) -> list[Point]:
     """Return the echoes of a laser scan in the robot's frame, m; those farther than `room.range` are left out.
 
     Args:
         ranges: m; infinite or NaN without an echo.
-        first: Angle of the first range, rad.
+        first: Angle of the first range in the laser's frame, rad.
         increment: rad from one range to the next.
+        mount: Of the laser on the robot.
         room: Settings.
     """
     distances = np.asarray(ranges, np.float64)
-    numbers = np.flatnonzero(np.isfinite(distances) & (distances > 0.0) & (distances < room.range))
-    angles, near = first + increment * numbers, distances[numbers]
-    points = np.column_stack([room.laser + near * np.cos(angles), near * np.sin(angles)])
-    return [(x, y) for x, y in points.tolist()]
+    near = np.where(distances < room.range, distances, math.inf)
+    return [(x, y) for x, y in echo_points(near, first, increment, mount).tolist()]
 
 
 def sonar_points(ranges: Sequence[tuple[float, float, float, float]], room: RoomSettings) -> list[Point]:

@@ -70,7 +70,6 @@ class RoomSettings:
     margin: float
     tight: float
     leader_radius: float
-    laser: float
     range: float
 
 

@@ -1,18 +1,22 @@
 """A follower whose elements fail: what it is told, and what it says of that."""
 
 import base64
+import math
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any, cast
 
 import pytest
 
+import configs
 from agents import Robot, RobotError
 from apps.background import BackgroundRequests
 from apps.robot_following import robot as robot_module
+from apps.robot_following.follower import FollowingStep
 from apps.robot_following.robot import FollowingRobot
 from apps.robot_following.settings import FollowingSettings
-from geometry import Pose2D
+from geometry import Point, Pose2D
+from p2os import RobotModel
 from tests.apps.robot_following.test_faults import CAMERA, LEADER
 from tests.waiting import wait_until
 
@@ -45,6 +49,8 @@ class Element:
     def __init__(self, elements: Elements, name: str) -> None:
         self._elements, self._name = elements, name
         self.properties: dict[str, Any] = {}
+        if name == "laser":  # on the left side, and turned to the left
+            self.properties = {"geometry": {"x": 0.02, "y": 0.1, "heading": math.pi / 2}}
 
     def ask(self, request: str, within: float) -> dict[str, Any]:
         if self._name in self._elements.fails:
@@ -89,6 +95,27 @@ def test_it_is_told_to_stand_when_a_reading_is_missing(
     wait_until(lambda: stepped(follower) and elements.driven[-1][0] > 0.05, "it drives")
     elements.fails.add(lost)
     wait_until(lambda: (stepped(follower), follower.does == does)[1] and elements.driven[-1] == (0.0, 0.0), "it stands")
+
+
+def test_echoes_of_the_laser_are_placed_by_its_mount(follower: FollowingRobot, monkeypatch: pytest.MonkeyPatch) -> None:
+    placed: list[Sequence[Point]] = []
+    step = follower.cycle.step
+
+    def noted(now: float, echoes: Sequence[Point]) -> FollowingStep | None:
+        placed.append(echoes)
+        return step(now, echoes)
+
+    monkeypatch.setattr(follower.cycle, "step", noted)
+    wait_until(lambda: stepped(follower) and bool(placed[-1]), "a scan has come")
+    (echo,) = placed[-1]
+    assert echo == pytest.approx((-2.98, 0.1), abs=0.01)
+
+
+@pytest.mark.parametrize("model", ["p3dx-sh", "p2dx", "peoplebot-sh", "patrolbot-sh"])
+def test_the_shipped_size_of_a_follower_contains_the_hulls_of_robots_as_narrow(model: str) -> None:
+    hull = configs.load(RobotModel, "robots", model)
+    assert SETTINGS.room.front >= hull.length_front
+    assert SETTINGS.room.half_width >= 0.5 * hull.width
 
 
 def test_a_camera_that_fails_is_named_and_a_refusal_too(elements: Elements, follower: FollowingRobot) -> None:
