@@ -5,7 +5,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 
-from apps.film import RATE, SIDE, TEXT, FilmWriter, Pixels, TopView, moments, write
+from apps.film import MOST, RATE, SIDE, TEXT, FilmWriter, Pixels, TopView, moments, write
 from apps.robot_following.record import FollowingRecord
 from vision.image import Floats, Image
 
@@ -18,14 +18,17 @@ class FollowingFilm:
     def __init__(self, file: Path) -> None:
         """Begin. file: ends in .gif or .mp4."""
         self.file = file
-        self._shots: dict[int, tuple[bytes, Floats | None]] = {}
-        self._due = 0.0
+        self._shots: dict[float, tuple[bytes, Floats | None]] = {}  # by time
+        self._due, self._period = 0.0, 1.0 / RATE
 
     def add(self, record: FollowingRecord, shown: tuple[bytes, Floats | None] | None) -> None:
         """Keep the newest picture for the last moment of a record, if one is due."""
         if record.times and record.times[-1] >= self._due and shown is not None:
-            self._due = record.times[-1] + 1.0 / RATE
-            self._shots[len(record.times) - 1] = shown
+            self._due = record.times[-1] + self._period
+            self._shots[record.times[-1]] = shown
+            if len(self._shots) > 2 * MOST:  # more than a film shows
+                self._shots = dict(list(self._shots.items())[::2])
+                self._period *= 2.0
 
     def close(self, record: FollowingRecord) -> int:
         """Write the film; returns the number of frames.
@@ -35,12 +38,12 @@ class FollowingFilm:
         """
         view = TopView({record.follower: record.own, "leader": record.leader})
         writer = FilmWriter(self.file)
-        kept = sorted(self._shots)
+        kept = [number for number, time in enumerate(record.times) if time in self._shots]
         for number in moments([record.times[each] for each in kept]):
             moment = kept[number]
             gap = record.gaps[moment]
             words = f"{record.times[moment]:.1f} s  " + ("no leader" if np.isnan(gap) else f"gap {gap:.2f} m")
-            writer.add(np.hstack((view.draw(moment, words), draw_picture(*self._shots[moment]))))
+            writer.add(np.hstack((view.draw(moment, words), draw_picture(*self._shots[record.times[moment]]))))
         return writer.close()
 
 

@@ -2,19 +2,20 @@
 
 import math
 import statistics
+from collections import deque
 from dataclasses import dataclass, field
-from itertools import pairwise
 
+from apps.records import MOST_TOLD, DrivenWay, Spread, Thinning
 from geometry import Pose2D
 
 
 @dataclass(slots=True)
 class FollowingRecord:
-    """What happened, one entry for each period.
+    """What happened, one entry for each period; of a long drive, for every second, every fourth and so on.
 
     follower: its name. times: s. own: its pose in its frame odom, None where it was not known. leader: the estimated
     pose of the leader in the same frame, None where it was not seen. gaps: m along the curve to it; NaN likewise.
-    told: sentences with their times.
+    told: the newest sentences with their times.
     """
 
     follower: str
@@ -22,28 +23,35 @@ class FollowingRecord:
     own: list[Pose2D | None] = field(default_factory=list)
     leader: list[Pose2D | None] = field(default_factory=list)
     gaps: list[float] = field(default_factory=list)
-    told: list[str] = field(default_factory=list)
+    told: deque[str] = field(default_factory=lambda: deque(maxlen=MOST_TOLD))
+    _thinning: Thinning = field(default_factory=Thinning)
+    _own_way: DrivenWay = field(default_factory=DrivenWay)
+    _leader_way: DrivenWay = field(default_factory=DrivenWay)
+    _gap: Spread = field(default_factory=Spread)
+    _lasted: float = 0.0
 
     def add(self, time: float, own: Pose2D | None, leader: Pose2D | None, gap: float | None) -> None:
         """Add an entry."""
-        self.times.append(time)
-        self.own.append(own)
-        self.leader.append(leader)
-        self.gaps.append(math.nan if gap is None else gap)
+        known_gap = math.nan if gap is None else gap
+        self._lasted = time
+        self._own_way.add(own)
+        self._leader_way.add(leader)
+        self._gap.add(known_gap)
+        if self._thinning.keeps_next():
+            self.times.append(time)
+            self.own.append(own)
+            self.leader.append(leader)
+            self.gaps.append(known_gap)
+            self._thinning.thin(self.times, self.own, self.leader, self.gaps)
 
     def summary(self) -> str:
-        """Return one line: the ways of both, and the gap between them."""
-        gaps = [gap for gap in self.gaps if not math.isnan(gap)]
-        words = f"{self.follower}: {_length(self.own):.1f} m"
+        """Return one line: the ways of both, and the gap between them; its median is that of the entries."""
+        gap, gaps = self._gap, [each for each in self.gaps if not math.isnan(each)]
+        words = f"{self.follower}: {self._own_way.length:.1f} m"
         if not gaps:
             return f"{words}, never saw a leader"
-        lost = self.times[-1] * (1.0 - len(gaps) / len(self.times)) if self.times else 0.0
+        lost = self._lasted * (1.0 - gap.count / self._thinning.count)
         return (
-            f"{words} behind a leader that drove {_length(self.leader):.1f} m; gap {statistics.median(gaps):.2f} m "
-            f"in the median, {min(gaps):.2f} to {max(gaps):.2f} m; without leader for {lost:.0f} s"
+            f"{words} behind a leader that drove {self._leader_way.length:.1f} m; gap {statistics.median(gaps):.2f} m "
+            f"in the median, {gap.least:.2f} to {gap.most:.2f} m; without leader for {lost:.0f} s"
         )
-
-
-def _length(poses: list[Pose2D | None]) -> float:
-    known = [pose for pose in poses if pose is not None]
-    return sum(math.dist((a.x, a.y), (b.x, b.y)) for a, b in pairwise(known))

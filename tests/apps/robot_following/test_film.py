@@ -4,6 +4,7 @@ from pathlib import Path
 
 import cv2
 import numpy as np
+import pytest
 
 from apps.film import SIDE, TEXT
 from apps.robot_following.cycle import FollowingCycle
@@ -55,3 +56,14 @@ def test_a_film_has_the_view_from_above_beside_the_picture(tmp_path: Path) -> No
     assert {frame.shape for frame in frames} == {(SIDE + TEXT, 2 * SIDE, 3)}
     assert abs(frames[0][:, :SIDE].astype(int) - frames[-1][:, :SIDE]).max() > 100  # the robots have moved
     assert abs(frames[0][:SIDE, SIDE:].astype(int) - frames[-1][:SIDE, SIDE:]).mean() < 3.0  # the picture is the same
+
+
+def test_a_film_of_a_record_that_keeps_few_entries_shows_those(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("apps.records.MOST", 10)
+    record, film = FollowingRecord("happy"), FollowingFilm(tmp_path / "following.mp4")
+    shown = seen().shown
+    for number in range(41):
+        record.add(0.1 * number, Pose2D(0.025 * number, 0.0, 0.0), None, None)
+        film.add(record, shown)
+    assert len(record.times) == 6
+    assert film.close(record) == 6
