@@ -11,8 +11,8 @@ import pytest
 
 from tests.acromovi.team.running import ROOT, RunningTeam, running
 from tests.apps.film_frames import frames_of
-from tests.apps.on_a_team import application, wait_until_stand
-from tests.waiting import end_of
+from tests.apps.on_a_team import LITTLE, application, step, wait_until_stand
+from tests.waiting import end_of, wait_until
 
 TEAM = """\
 world = "empty"
@@ -21,7 +21,7 @@ world = "empty"
 name = "happy"
 model = "p3dx-sh"
 fit = ["target"]
-at_m = [1.5, 0.0]
+at_m = [3.0, 0.0]
 
 [[robots]]
 name = "doc"
@@ -42,17 +42,24 @@ def team(tmp_path_factory: pytest.TempPathFactory) -> Iterator[RunningTeam]:
 
 @contextmanager
 def formation(team: RunningTeam, folder: Path) -> "Iterator[subprocess.Popen[str]]":
-    """Run the application behind a leader that another program drives, until the block ends."""
+    """Run the application until the block ends; the block begins behind a leader that another program drives.
+
+    The leader stands until the follower has found it and drives up to it. One that drove off before that would be too
+    far away to be seen when a busy machine has started the application at last, and the follower would stand for ever.
+    """
+    for robot, x in ("doc", 0.0), ("happy", 3.0):
+        team.emulator().ask("pose", robot=robot, x=x, y=0.0, heading=0.0)
     words = ["formation", "leader=happy", "followers=doc", "shape=column", "poses=sight", "film=drive.gif"]
-    # What the leader's program prints is not what is tested.
-    with subprocess.Popen(
-        [sys.executable, *LEAD, "--bus", team.profile],
-        cwd=ROOT,
-        stdout=subprocess.DEVNULL,  # lines for people
-    ) as leading:
+    leader = [sys.executable, *LEAD, "--bus", team.profile]
+    with (
+        application(team, folder, words, ["doc"]) as process,
+        # What the leader's program prints, lines for people, is not what is tested.
+        subprocess.Popen(leader, cwd=ROOT, stdout=subprocess.DEVNULL) as leading,
+    ):
         try:
-            with application(team, folder, words, ["doc"]) as process:
-                yield process
+            both = ("happy", "doc")
+            wait_until(lambda: all(step(team, each) > 5 * LITTLE for each in both), "the leader is followed")
+            yield process
         finally:
             leading.kill()
     wait_until_stand(team, ["happy"])
