@@ -225,8 +225,8 @@ class _Element:
         """Stop everything that moves."""
         self.command(lambda driver, now: driver.halt(now))
 
-    def command(self, call: Callable[[ElementDriver, float], T]) -> T:
-        """The way to the driver for what comes from the bus."""
+    def command(self, call: Callable[[ElementDriver, float], T], patience: float = 0.0) -> T:
+        """The way to the driver for what comes from the bus; it is never blocked, whatever the patience."""
         try:
             return call(self.driver, self._clock())
         finally:
@@ -351,6 +351,10 @@ class _Host:
         finally:
             self._flush()
             self._wakes_at = 0.0
+
+    def post(self, call: Callable[[Driver, float], object]) -> None:
+        """Likewise, for who does not wait; the line never hangs."""
+        self.command(call)
 
     def close(self) -> None:
         """Leave the bus."""

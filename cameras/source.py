@@ -1,6 +1,7 @@
 """Where pictures come from: a URL or a device. A source gives the newest picture there is, as a JPEG file."""
 
 import base64
+import re
 import select
 import socket
 import time
@@ -48,9 +49,11 @@ def check_source(where: str) -> None:
     """
     parts = _split(where)
     if parts.scheme and parts.scheme not in SCHEMES:
-        raise CameraNotUsable(f"{where} is no camera; give a URL that begins with http://, or a device as /dev/video0")
+        raise CameraNotUsable(
+            f"{_shown(where)} is no camera; give a URL that begins with http://, or a device as /dev/video0"
+        )
     if parts.scheme and not parts.hostname:
-        raise CameraNotUsable(f"{where} names no host; write http://HOST:PORT/PATH")
+        raise CameraNotUsable(f"{_shown(where)} names no host; write http://HOST:PORT/PATH")
     if not parts.scheme and missing("vision"):
         raise CameraNotUsable(needs(f"the camera {where}", "vision"))
 
@@ -77,8 +80,12 @@ def _split(where: str) -> SplitResult:
     try:
         parts = urlsplit(where)
         parts.port  # noqa: B018  # it is read here to see that it can be
+        if parts.scheme:  # of what HTTP cannot carry
+            (parts.hostname or "").encode("idna")
+            f"{parts.path}?{parts.query}".encode("ascii")
     except ValueError as error:
-        raise CameraNotUsable(f"{where} is no address: {error}; write http://HOST:PORT/PATH") from error
+        wanted = "write http://HOST:PORT/PATH, and other characters than ASCII as %XX"
+        raise CameraNotUsable(f"{_shown(where)} is no address: {error}; {wanted}") from error
     return parts
 
 
@@ -101,7 +108,9 @@ class _UrlSource:
         if self._answer.status != HTTPStatus.OK or boundary is None:
             said = f"{self._answer.status} {self._answer.reason}, {self._answer.getheader('Content-Type', 'no type')}"
             self.close()
-            raise CameraLost(f"{url.geturl()} is no stream of pictures: {said}")
+            if self._answer.status == HTTPStatus.UNAUTHORIZED:
+                said += "; name or password is wrong, or the camera wants another login than Basic"
+            raise CameraLost(f"{_shown(url.geturl())} is no stream of pictures: {said}")
         self._decoder = MultipartDecoder(boundary)
 
     def read(self) -> bytes:
@@ -169,6 +178,11 @@ class _DeviceSource:
     def close(self) -> None:
         """Let go of the device."""
         self._capture.release()
+
+
+def _shown(where: str) -> str:
+    """Return an address as it may be logged and published: without name and password."""
+    return re.sub(r"//[^/]*@", "//", where)
 
 
 def _login(url: SplitResult) -> dict[str, str]:

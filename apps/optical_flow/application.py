@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 
 SERVICES = ("optical-flow-navigation",)  # for the directory, when it runs as an agent
 PLOTS = (".svg", ".png")
+_SAME_HULL = 0.03  # m by which a hull may be larger than in the settings
 _AHEAD = 2.0  # s of the drive that are shown on maps
 
 
@@ -55,7 +56,7 @@ def main(
 
     Args:
         team: The robots on the bus.
-        robot: Its name; any robot with a camera if empty.
+        robot: Its name; any robot with a camera if empty. Its camera head is turned ahead.
         seconds: For which it wanders; 0 for ever.
         settings: A file with changes of `settings.toml`.
         picture: File for the plots at the end; none if empty.
@@ -70,6 +71,9 @@ def main(
     if not (math.isfinite(seconds) and seconds >= 0.0):
         raise RobotError(f"seconds must be 0 or more, not {seconds:g}; 0 wanders for ever")
     me = team.robot(robot, having=("base", "camera"))
+    _check_hull(me, tuned)
+    if me.has("ptz"):
+        me.ptz.look(pan=0.0, tilt=0.0, zoom=1.0)
     feed = FlowFeed(me)
     writer = _writer(film, tuned)
     flow = me.element("flow")
@@ -262,6 +266,25 @@ def _page(port: int, record: FlowRecord, settings: FlowSettings, at_end: ExitSta
     at_end.callback(page.close)
     print(f"live page of {record.robot}: {page.url}", flush=True)
     return page
+
+
+def _check_hull(robot: Robot, settings: FlowSettings) -> None:
+    """Refuse a robot that is larger than the settings say.
+
+    Raises:
+        RobotError: It is.
+    """
+    own, size = robot.base.properties["geometry"], settings.robot
+    for what, real, told in (
+        ("length_front", float(own["length_front"]), size.front_m),
+        ("length_rear", float(own["length_rear"]), size.rear_m),
+        ("width", float(own["width"]), size.width_m),
+    ):
+        if real > told + _SAME_HULL:
+            raise RobotError(
+                f"the settings are of a robot whose {what} is {told:.2f} m, and that of {robot.name} is {real:.2f} m; "
+                "give settings of its own"
+            )
 
 
 def _settings(file: str) -> FlowSettings:

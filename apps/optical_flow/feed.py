@@ -16,6 +16,8 @@ from apps.optical_flow.sight import FlowReadings
 from geometry import Pose2D, Twist2D
 
 ANSWER_TIME = 1.0  # s for a reading
+_ASIDE = 0.05  # rad by which the camera head may look to a side
+_ZOOM = 1.1  # up to which bearings and flow are as at the widest zoom
 _KEPT = 10  # results of the flow agent, among which that of a picture is found
 _APART = 0.05  # s between the stamps of a picture and a result that are of the same exposure, at most
 
@@ -47,10 +49,12 @@ class FlowFeed:
         self._robot = robot
         self._flow = robot.element("flow")
         self._results: Iterator[Any] | None = None
-        self._pool = ThreadPoolExecutor(4, "optical-flow")
+        self._pool = ThreadPoolExecutor(5, "optical-flow")
         self._asked = {"flow": _Asked(self._next_result), "base": _Asked(self._odometry)}
         if robot.has("bumpers"):
             self._asked["bumpers"] = _Asked(self._bumpers)
+        if robot.has("ptz"):
+            self._asked["ptz"] = _Asked(self._head)
         self._picture = _Asked(self._stamped_pixels)
         self._viewed = math.nan  # stamp of the latest picture that was returned
         self._recent: deque[tuple[FlowColumns, Any]] = deque(maxlen=_KEPT)  # results with their vectors
@@ -58,6 +62,8 @@ class FlowFeed:
         self._stamp = math.nan  # of the latest odometry
         self._heard = -math.inf  # s, when it was new
         self._is_stalled = False
+        self._trouble = ""  # of the latest result of the flow agent
+        self._aside = ""  # why the images do not show what is ahead
 
     def read(self, now: float, patience: float) -> FlowReadings | None:
         """Return what is known; None before the first odometry.
@@ -74,11 +80,16 @@ class FlowFeed:
             self._base, self._stamp = base, float(base["stamp"])
         if self._base is None:
             return None
-        columns, trouble = None, self._asked["flow"].error
+        columns = None
         if (result := new.get("flow")) is not None:
-            trouble, columns = str(result.get("trouble") or ""), FlowColumns.of(result)
+            self._trouble, columns = str(result.get("trouble") or ""), FlowColumns.of(result)
             if columns is not None:
                 self._recent.append((columns, result.get("vectors") or ()))
+        if (head := new.get("ptz")) is not None:
+            self._aside = head_trouble(head)
+        trouble = self._asked["flow"].error or self._trouble or self._aside
+        if "ptz" in self._asked:
+            trouble = trouble or self._asked["ptz"].error
         if now - self._heard > ANSWER_TIME:
             trouble = f"no odometry for {now - self._heard:.1f} s"
         pose = Pose2D(float(self._base["x"]), float(self._base["y"]), float(self._base["heading"]))
@@ -135,8 +146,22 @@ class FlowFeed:
         picture = self._robot.camera.picture()
         return picture.stamp, picture.pixels()
 
+    def _head(self) -> dict[str, Any]:
+        return dict(self._robot.ptz.ask("read", within=ANSWER_TIME))
+
     def _bumpers(self) -> dict[str, Any]:
         return dict(self._robot.bumpers.ask("read", within=ANSWER_TIME))
+
+
+def head_trouble(head: Mapping[str, Any]) -> str:
+    """Return why images do not show what is ahead, by a reading of the camera head; empty if they do."""
+    if head["moving"]:
+        return "the camera head moves"
+    pan, zoom = float(head["pan"]), float(head["zoom"])
+    if abs(pan) > _ASIDE:
+        side = "left" if pan > 0.0 else "right"
+        return f"the camera head looks {math.degrees(abs(pan)):.0f} degrees to the {side}; it must look ahead"
+    return f"the camera head zooms {zoom:.1f} times; it must not" if zoom > _ZOOM else ""
 
 
 def rear_only(bumpers: Mapping[str, Any]) -> bool | None:

@@ -68,7 +68,7 @@ class FlowSight:
         self._way += step
         is_steady = readings.twist.linear >= self._settings.memory.least_m_s
         self._moving_since = min(self._moving_since, readings.stamp) if is_steady else math.inf
-        if readings.columns is not None:
+        if readings.columns is not None and not readings.trouble:
             self.image_at = readings.time
             self.moves = bool((np.nan_to_num(readings.columns.motion) > _MOVES).mean() > _MOVING)
             if self.moves:

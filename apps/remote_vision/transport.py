@@ -20,6 +20,8 @@ from apps.web.viewer import framed
 UNKNOWN_TICKET = 4404
 """Code with which a websocket is closed whose page this program does not know."""
 
+_Sent = tuple[NewestItem | None, int]
+"""The stream of the last image that was sent, and the image's number in it; a stream that ended begins anew from 1."""
 Words = Callable[[Viewing, str, float], str]
 """Returns why a place of a viewing has no new image, after so many s."""
 
@@ -63,7 +65,7 @@ class ImageTransport:
         if viewing is None:
             await socket.close(UNKNOWN_TICKET)
             return
-        sent: tuple[str, int] = ("", 0)
+        sent: _Sent = (None, 0)
         viewing.sockets += place == ORIGINAL
         with self._following(viewing, place) as following:
             try:
@@ -79,14 +81,14 @@ class ImageTransport:
                 viewing.sockets -= place == ORIGINAL
 
     async def _reply(
-        self, viewing: Viewing, place: str, streams: list[NewestItem], sent: tuple[str, int]
-    ) -> tuple[dict[str, Any], StreamItem | None, tuple[str, int]]:
+        self, viewing: Viewing, place: str, streams: list[NewestItem], sent: _Sent
+    ) -> tuple[dict[str, Any], StreamItem | None, _Sent]:
         """Wait for a newer image; return the head of the reply, the item, and what has been sent by then."""
         begun = asyncio.get_running_loop().time()
         item = None
         if streams:
             stream, *others = streams
-            than = sent[1] if sent[0] == stream.key else 0
+            than = sent[1] if sent[0] is stream else 0
             item = await stream.newer(than, self._times.wait_s)
         else:
             await asyncio.sleep(self._times.wait_s)
@@ -100,7 +102,7 @@ class ImageTransport:
         if len(item.image) > self._times.most_bytes:
             size, most = len(item.image) / 1e6, self._times.most_bytes / 1e6
             head["words"] = f"an image of {size:.1f} MB is not sent; at most {most:.1f} MB"
-            return head, None, (stream.key, item.number)
+            return head, None, (stream, item.number)
         viewing.shown[place] = item
         head |= {"number": item.number, "format": item.format, "words": item.trouble}
         if item.stamp is not None:
@@ -112,7 +114,7 @@ class ImageTransport:
             head["boxes"] = [
                 box for other in others if other.item for box in boxes(_source(other.key), other.item.values)
             ]
-        return head, item, (stream.key, item.number)
+        return head, item, (stream, item.number)
 
     @contextmanager
     def _following(self, viewing: Viewing, place: str) -> Iterator[Callable[[], list[NewestItem]]]:

@@ -80,6 +80,29 @@ def test_what_is_no_stream_of_pictures_is_lost_with_what_was_said(camera: IpCame
         open_source(camera.url)
 
 
+def test_a_login_that_fails_is_said_without_name_and_password(camera: IpCamera) -> None:
+    camera.serve = lambda connection: connection.sendall(b"HTTP/1.0 401 Unauthorized\r\nContent-Length: 0\r\n\r\n")
+    with pytest.raises(CameraLost, match=r"401 Unauthorized.*name or password is wrong") as lost:
+        open_source(camera.url.replace("http://", "http://eye:secret@"))
+    assert "eye" not in str(lost.value)
+    assert "secret" not in str(lost.value)
+
+
+@pytest.mark.parametrize(
+    "where", ["http://eye:secret@cam:port/", "ftp://eye:secret@cam/", "http://eye:secret@/", "http://eye:secret@a..b/"]
+)
+def test_an_address_that_is_no_cameras_is_refused_without_name_and_password(where: str) -> None:
+    with pytest.raises(CameraNotUsable) as refused:
+        check_source(where)
+    assert "secret" not in str(refused.value)
+
+
+@pytest.mark.parametrize("where", ["http://192.168.1..5/video", "http://cam/stra\u00dfe", f"http://{'a' * 64}.org/"])
+def test_an_address_that_http_cannot_carry_is_refused_at_once(where: str) -> None:
+    with pytest.raises(CameraNotUsable, match="is no address"):
+        check_source(where)
+
+
 def test_nobody_there_is_lost() -> None:
     with socket.create_server(("127.0.0.1", 0)) as listener:
         port = listener.getsockname()[1]

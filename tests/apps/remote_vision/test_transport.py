@@ -92,9 +92,13 @@ class Room:
         serving: Any = self.transport.serve
         return asyncio.ensure_future(serving(socket, ticket, place))
 
+    @property
+    def is_watched(self) -> bool:
+        return self._camera.has_listeners
+
     async def until_watched(self) -> None:
         async with waiting():
-            while not self._camera.has_listeners:
+            while not self.is_watched:
                 await asyncio.sleep(0.002)
 
 
@@ -128,6 +132,34 @@ def test_a_viewer_gets_the_file_of_the_camera_unchanged_with_its_age() -> None:
         assert data == file
         assert head["age"] == 0.25
         assert head["stamp"] == START
+        serving.cancel()
+
+    play(story)
+
+
+def test_a_stream_that_is_chosen_again_after_it_has_ended_shows_its_first_image() -> None:
+    async def story(room: Room) -> None:
+        socket = Socket()
+        serving = room.begin(socket)
+        socket.ask()
+        await room.until_watched()
+        for _ in range(5):
+            room.show()
+            await settle()
+        async with waiting():
+            while not (socket.replies and socket.replies[-1][0].get("number", 0) > 1):
+                await socket.next()
+        room.viewing.keys.clear()
+        async with waiting():
+            while room.is_watched:  # it lingers for a while
+                await socket.next()
+        room.viewing.keys[ORIGINAL] = KEY
+        socket.ask()
+        await room.until_watched()
+        file = room.show()
+        async with waiting():
+            while socket.replies[-1][1] != file:
+                await socket.next()
         serving.cancel()
 
     play(story)
