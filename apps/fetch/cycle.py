@@ -16,7 +16,6 @@ from vision.colours import ColourTable
 from vision.image import Image, VisionError
 
 _BEYOND = 0.5  # s after the newest odometry, for which its velocity holds
-_JUMP = 0.5  # m that no robot goes between two readings
 
 
 class FetchCycle:
@@ -57,9 +56,9 @@ class FetchCycle:
 
     def take_odometry(self, stamp: float, pose: Pose2D, velocity: Twist2D) -> None:
         """Take a reading of the base; the same one again is ignored."""
-        expected = self._poses.at(stamp)
-        if expected is not None and hypot(pose.x - expected.x, pose.y - expected.y) > _JUMP:
-            self._poses.clear()  # the gateway has started again, and odom begins elsewhere
+        if self._poses.is_jump(stamp, pose):
+            self._poses.clear()
+            self.fetcher.lose_place()
         self._poses.add(stamp, pose, velocity)
 
     def take_head(self, pan: float, tilt: float, is_moving: bool) -> None:

@@ -110,6 +110,12 @@ class Fetcher:
         """Return whether something seen at a point of the floor, m in base_link, is in the hand."""
         return self.state in _HOLDING and x < _HELD[0] and abs(y) < _HELD[1]
 
+    def lose_place(self) -> None:
+        """Give up because odometry begins elsewhere, so that no place is known any more."""
+        if not self.has_ended:
+            held = "; the robot holds the object" if self.state in _HOLDING else ""
+            self._give_up(f"odometry has begun anew, as after a restart of the gateway, and no place is known{held}")
+
     def step(self, readings: FetchReadings) -> FetchOrders:
         """Decide once."""
         self._now = readings.time

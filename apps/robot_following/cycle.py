@@ -15,7 +15,6 @@ from vision.camera_model import camera_model
 from vision.colours import ColourTable
 from vision.image import Floats, Image, VisionError
 
-_JUMP = 0.5  # m that no robot goes between two readings
 _WAITING = 3  # pictures for which it is not yet known where the head looked
 
 
@@ -67,9 +66,8 @@ class FollowingCycle:
 
     def take_odometry(self, stamp: float, pose: Pose2D, velocity: Twist2D) -> None:
         """Take a reading of the base; the same one again is ignored."""
-        expected = self._robot.at(stamp)
-        if expected is not None and hypot(pose.x - expected.x, pose.y - expected.y) > _JUMP:
-            self._robot.clear()  # the gateway has started again, and odom begins elsewhere
+        if self._robot.is_jump(stamp, pose):
+            self._robot.clear()
             self.follower.forget()
         self._robot.add(stamp, pose, velocity)
 

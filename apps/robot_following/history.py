@@ -2,10 +2,13 @@
 
 from bisect import bisect_right
 from collections import deque
+from math import hypot
 
 from geometry import Pose2D, Twist2D, integrate, wrap_angle
 
 _MOST = 60  # poses that are remembered
+_JUMP = 0.5  # m that no robot goes between two readings
+_ROLLS = 1.5  # m that one goes, whose gateway has ended, until its watchdog has stopped it
 
 
 class StampedPoses:
@@ -31,6 +34,13 @@ class StampedPoses:
         self._poses.append(pose)
         self._twist = twist or Twist2D()
         return True
+
+    def is_jump(self, stamp: float, pose: Pose2D) -> bool:
+        """Return whether a robot cannot have come to a pose: its gateway has started again, and odom is elsewhere."""
+        expected, most = self.at(stamp), _JUMP
+        if expected is None and self._stamps and stamp > self._stamps[-1]:
+            expected, most = self._poses[-1], _JUMP + _ROLLS
+        return expected is not None and hypot(pose.x - expected.x, pose.y - expected.y) > most
 
     def clear(self) -> None:
         """Forget all poses."""

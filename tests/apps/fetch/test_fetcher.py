@@ -22,6 +22,17 @@ def test_an_object_is_found_gripped_and_brought_to_the_place() -> None:
     assert toy.told[-1] == "has delivered: the red object stands at (0.00, 1.00)"
 
 
+def test_a_robot_whose_odometry_begins_elsewhere_gives_up_and_keeps_what_it_holds() -> None:
+    toy = ToyRobot.among(Thing(-1.5, 1.0))
+    while "up" not in toy.orders or toy.fetcher.state.value != FetchState.CARRY.value:
+        toy.step()
+    toy.fetcher.lose_place()
+    assert toy.step() == Twist2D()
+    assert toy.fetcher.has_ended
+    assert toy.fetcher.reason.endswith("no place is known; the robot holds the object")
+    assert toy.orders == ["deploy", "close", "up"]
+
+
 def test_of_two_objects_the_nearer_one_is_fetched_and_the_other_is_not_touched() -> None:
     far, near = Thing(2.5, 0.6), Thing(1.5, -0.3)
     toy = ToyRobot.among(far, near, place=(-1.0, 0.0))
