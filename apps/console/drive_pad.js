@@ -8,6 +8,7 @@ const SOONEST_MS = 20; // between two commands
 const LATE_MS = 400; // of the timer, after which the browser was asleep and nothing counts that was held before
 const RETRY_MS = 500;
 const DEAD = 0.15; // of a gamepad's stick
+const MODIFIERS = new Set(["Meta", "Control", "Alt", "AltGraph"]);
 const KEYS = {
   ArrowUp: [1, 0], w: [1, 0], ArrowDown: [-1, 0], s: [-1, 0],
   ArrowLeft: [0, 1], a: [0, 1], ArrowRight: [0, -1], d: [0, -1],
@@ -18,7 +19,8 @@ export default {
     <div class="c-drive" :class="{ 'c-active': active }">
       <div class="c-stick" ref="stick" tabindex="0" role="application" :aria-disabled="!active"
            aria-label="Joystick: drag it, or hold the arrow keys or w, a, s, d; the space bar stops"
-           @pointerdown="onDown" @pointermove="onMove" @pointerup="letGo" @pointercancel="letGo" @lostpointercapture="letGo">
+           @pointerdown="onDown" @pointermove="onMove" @pointerup="letGo" @pointercancel="letGo" @lostpointercapture="letGo"
+           @contextmenu.prevent>
         <span class="c-arrow c-north">▲</span><span class="c-arrow c-south">▼</span>
         <span class="c-arrow c-west">◀</span><span class="c-arrow c-east">▶</span>
         <span class="c-knob" :style="{ left: 50 - angular * 36 + '%', top: 50 - linear * 36 + '%' }"></span>
@@ -45,6 +47,8 @@ export default {
       [window, "keydown", (event) => this.onKey(event, true)],
       [window, "keyup", (event) => this.onKey(event, false)],
       [window, "blur", () => this.letGoOfAll()],
+      // A menu that opens takes the keyup. On the stick none opens, where a finger that holds it would ask for one.
+      [window, "contextmenu", (event) => event.defaultPrevented || this.letGoOfAll()],
       [document, "visibilitychange", () => this.letGoOfAll()],
     ];
     for (const [target, name, call] of this.listeners) target.addEventListener(name, call);
@@ -127,13 +131,17 @@ export default {
       this.socket.send(JSON.stringify({ tick: this.tick, linear: this.linear, angular: this.angular }));
     },
     onKey(event, isDown) {
+      if (event.metaKey || event.ctrlKey || event.altKey || MODIFIERS.has(event.key)) {
+        this.letGoOfAll(); // macOS sends no keyup of a key that is released while Cmd is down
+        return;
+      }
       const key = event.key.length === 1 ? event.key.toLowerCase() : event.key;
       if (!isDown) {
         if (this.held.delete(key)) this.change();
         return;
       }
       const isText = event.target.closest?.("input, textarea, select, [contenteditable], .q-slider, .c-map, .rv-viewer");
-      if (!this.active || isText || event.ctrlKey || event.altKey || event.metaKey) return;
+      if (!this.active || isText) return;
       if (key === " ") {
         this.letGoOfAll();
         if (event.target.closest?.(".c-stick, body") && !event.target.closest?.("button, a")) event.preventDefault();

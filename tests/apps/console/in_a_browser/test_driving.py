@@ -53,3 +53,17 @@ def test_a_second_driver_sees_who_drives_and_can_stop_without_a_lease(
     other.sees("You drive.")
     tab.page.get_by_text(DRIVES).first.wait_for()
     other.close()
+
+
+def test_a_key_whose_release_a_menu_or_a_modifier_may_hide_drives_no_longer(team: WatchedTeam, tab: ConsoleTab) -> None:
+    drive(team, tab, "a")
+    tab.page.locator("h1").click(button="right")
+    team.stands()
+    drive(team, tab, "a")
+    tab.hold("Meta")
+    team.stands()
+    tab.release("Meta")
+    tab.release("a")
+    drive(team, tab, "a")  # as before
+    tab.release("a")
+    tab.release_control()
