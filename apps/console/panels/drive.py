@@ -50,6 +50,7 @@ class DrivePanel:
             self._pad = DrivePad(visit)
             speeds = drive.speeds if drive is not None else (0.0, 0.0)
             most = _FASTEST, _FASTEST_TURN
+            self._sliders: list[tuple[ui.slider, float]] = []  # each with its greatest value
             for index, (words, unit, key) in enumerate(
                 (("Speed ahead", "m/s", "linear"), ("Turning speed", "rad/s", "angular"))
             ):
@@ -61,10 +62,11 @@ class DrivePanel:
                     slider.on_value_change(partial(self._choose, index))
                     slider.set_enabled(visit.may_command)
                     slider.props(f'aria-label="{words}, {unit}"')
+                    self._sliders.append((slider, top))
                     ui.label().bind_text_from(slider, "value", partial("{1:.2f} {0}".format, unit))
 
     def refresh(self) -> None:
-        """Show who drives."""
+        """Show who drives, and how fast: the speeds are those of the robot, whichever page has chosen them."""
         console, robot = self._console, self._console.robots.robots[self._visit.robot]
         if why := self._visit.look_only:
             self._who.text = f"{why[0].upper()}{why[1:]}."
@@ -74,6 +76,9 @@ class DrivePanel:
         mine = drive.holder is self._visit
         self._control.text = _RELEASE if mine else _TAKE
         self._control.set_enabled(robot.is_connected and (mine or drive.holder is None))
+        for (slider, top), speed in zip(self._sliders, drive.speeds, strict=True):
+            slider.set_enabled(mine or drive.holder is None)
+            slider.set_value(min(speed, top))
         self._pad.activate(mine)
         self._who.text = self._words(robot, drive)
 

@@ -4,8 +4,11 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 import pytest
+from nicegui import Client, ui
 
 from apps.console.driving import DriveCommand, DriveControl
+from apps.console.panels.drive import DrivePanel
+from apps.console.program import Console
 from apps.console.settings import ConsoleSettings
 from apps.console.visits import Visit
 from bus import keys
@@ -164,3 +167,33 @@ def test_what_is_no_command_is_none(told: object) -> None:
 def test_a_speed_that_is_no_part_of_the_chosen_one_is_no_command(value: object) -> None:
     assert DriveCommand.from_json({"tick": 1.0, "linear": value, "angular": 0.0}) is None
     assert DriveCommand.from_json({"tick": 1.0, "linear": 0.5, "angular": -1}) == DriveCommand(1.0, 0.5, -1.0)
+
+
+def test_the_sliders_of_all_pages_show_the_speeds_and_only_the_driver_sets_them(lab: "Lab", console: Console) -> None:
+    drive = console.drive_of("happy")
+
+    def opened(browser: str) -> tuple[Visit, DrivePanel, list[ui.slider]]:
+        visit = console.visits.begin(browser)
+        visit.robot, visit.sockets = "happy", 1
+        with Client(ui.page(f"/{browser}"), request=None) as client:
+            panel = DrivePanel(console, visit)
+        return visit, panel, [each for each in client.elements.values() if isinstance(each, ui.slider)]
+
+    async def act() -> None:
+        (anna, hers, fast), (_, his, slow) = opened("anna"), opened("bert")
+        fast[0].set_value(0.6)
+        his.refresh()
+        assert [slider.value for slider in slow] == list(drive.speeds) == [0.6, LIMITS.angular]
+        await drive.take(anna, ("base",), lab.loop.time())
+        fast[1].set_value(0.5)
+        slow[0].set_value(0.2)  # moved just before the page shows that another one drives
+        for panel in (hers, his):
+            panel.refresh()
+        assert [slider.value for slider in slow] == [slider.value for slider in fast] == [0.6, 0.5]
+        assert drive.speeds == (0.6, 0.5)
+        assert [slider.enabled for slider in (*fast, *slow)] == [True, True, False, False]
+        await drive.release()
+        his.refresh()
+        assert [slider.enabled for slider in slow] == [True, True]
+
+    lab.do(act())
