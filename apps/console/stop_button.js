@@ -2,6 +2,7 @@
 
 const TWICE_MS = 1000;
 const SHOWN_MS = 8000;
+const ANSWER_MS = 4000; // twice the time that the console gives the robots
 
 export default {
   template: `
@@ -27,9 +28,10 @@ export default {
   },
   methods: {
     async stop() {
-      this.show("stopping all robots ...", false);
+      this.show("stopping all robots ...");
       try {
-        const reply = await fetch(this.path, { method: "POST", keepalive: true });
+        const signal = AbortSignal.timeout?.(ANSWER_MS); // browsers of 2021 have none, and must stop robots as well
+        const reply = await fetch(this.path, { method: "POST", keepalive: true, signal });
         if (!reply.ok) throw new Error(`${reply.status} ${await reply.text()}`);
         const told = await reply.json();
         const robots = Object.entries(told.robots);
@@ -37,15 +39,15 @@ export default {
         const away = told.away.length ? `; not reached, since away from the bus: ${told.away.join(", ")}` : "";
         if (!robots.length) this.show(`NOT STOPPED: no robot is on the bus${away}`, true);
         else if (failed.length) this.show(`NOT STOPPED: ${failed.map(([name, how]) => `${name}: ${how}`).join("; ")}${away}`, true);
-        else this.show(`${robots.length === 1 ? robots[0][0] : `all ${robots.length} robots`} stopped${away}`, false);
+        else this.show(`${robots.length === 1 ? robots[0][0] : `all ${robots.length} robots`} stopped${away}`, false, SHOWN_MS);
       } catch (error) {
         this.show(`NOT STOPPED: the console does not answer (${error.message}); use the button on the robot`, true);
       }
     },
-    show(words, failed) {
+    show(words, failed = false, forMs = 0) {
       Object.assign(this, { words, failed });
       clearTimeout(this.hide);
-      if (!failed) this.hide = setTimeout(() => (this.words = ""), SHOWN_MS);
+      if (forMs) this.hide = setTimeout(() => (this.words = ""), forMs); // otherwise until other words follow
     },
   },
 };

@@ -67,3 +67,11 @@ def test_a_key_whose_release_a_menu_or_a_modifier_may_hide_drives_no_longer(team
     drive(team, tab, "a")  # as before
     tab.release("a")
     tab.release_control()
+
+
+def test_a_stop_that_is_never_answered_is_shown_as_failed(team: WatchedTeam, tab: ConsoleTab) -> None:
+    tab.go("/robot/happy")
+    tab.page.route("**/stop", lambda route: None)  # as on a network that is dead: neither a reply nor an error
+    tab.press("Stop all robots")
+    tab.sees("NOT STOPPED: the console does not answer")
+    tab.page.unroute("**/stop")
