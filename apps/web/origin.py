@@ -1,7 +1,8 @@
 """Refuses requests of pages that come from elsewhere: no other page in the same browser may steer a robot.
 
 A browser sends the origin of a page with each websocket and each POST. The name in `Host` is checked as well, since a
-foreign page can have its own name resolved to this computer (DNS rebinding).
+foreign page can have its own name resolved to this computer (DNS rebinding). Browsers show no page in a frame, since a
+foreign page could lay something over it and have its buttons pressed (clickjacking).
 """
 
 import ipaddress
@@ -9,10 +10,12 @@ import socket
 from collections.abc import Iterable
 from urllib.parse import urlsplit
 
+from starlette.datastructures import MutableHeaders
 from starlette.responses import PlainTextResponse
-from starlette.types import ASGIApp, Receive, Scope, Send
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 LOOPBACK = frozenset(("localhost", "127.0.0.1", "::1"))
+_UNFRAMED = {"Content-Security-Policy": "frame-ancestors 'none'", "X-Frame-Options": "DENY"}
 
 
 class SameOrigin:
@@ -30,15 +33,24 @@ class SameOrigin:
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Pass a request on, or refuse it."""
+
+        async def send_unframed(message: Message) -> None:
+            if message["type"] == "http.response.start":
+                message.setdefault("headers", [])
+                headers = MutableHeaders(scope=message)
+                for name, value in _UNFRAMED.items():
+                    headers.setdefault(name, value)
+            await send(message)
+
         if scope["type"] in ("http", "websocket"):
             headers = {name.decode("latin-1"): value.decode("latin-1") for name, value in scope["headers"]}
             if refusal := refusal_of(headers.get("host", ""), headers.get("origin"), self._names):
                 if scope["type"] == "websocket":
                     await send({"type": "websocket.close", "code": 1008, "reason": refusal})
                 else:
-                    await PlainTextResponse(refusal, 403)(scope, receive, send)
+                    await PlainTextResponse(refusal, 403)(scope, receive, send_unframed)
                 return
-        await self._app(scope, receive, send)
+        await self._app(scope, receive, send_unframed)
 
 
 def refusal_of(host: str, origin: str | None, names: frozenset[str]) -> str:

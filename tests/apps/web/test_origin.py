@@ -4,6 +4,8 @@ import asyncio
 from typing import Any
 
 import pytest
+from httpx import ASGITransport, AsyncClient, Headers
+from starlette.responses import PlainTextResponse
 
 from apps.web.origin import LOOPBACK, SameOrigin, refusal_of, served_names
 
@@ -56,3 +58,26 @@ def test_a_refused_request_does_not_reach_the_application(kind: str, answer: str
     asyncio.run(SameOrigin(application, LOOPBACK)(scope, receive, send))
     assert sent[0]["type"] == answer
     assert sent[0].get("status", 403) == 403
+
+
+def headers_of(own: dict[str, str], **asked: str) -> Headers:
+    """The headers of the reply to a request with headers, where the application sends its own ones."""
+
+    async def run() -> Headers:
+        served = SameOrigin(PlainTextResponse("inside", headers=own), LOOPBACK)
+        async with AsyncClient(transport=ASGITransport(served), base_url="http://localhost:8080") as browser:
+            return (await browser.get("/", headers=asked)).headers
+
+    return asyncio.run(run())
+
+
+def test_no_page_is_shown_in_a_frame_of_another_one_and_neither_is_a_refusal() -> None:
+    for headers in (headers_of({}), headers_of({}, origin="http://evil.example")):
+        assert headers["content-security-policy"] == "frame-ancestors 'none'"
+        assert headers["x-frame-options"] == "DENY"
+
+
+def test_a_policy_that_a_page_has_of_its_own_is_kept() -> None:
+    own = {"content-security-policy": "default-src 'self'", "x-frame-options": "SAMEORIGIN"}
+    assert headers_of(own).items() >= own.items()
+    assert headers_of(own).get_list("content-security-policy") == ["default-src 'self'"]
