@@ -16,7 +16,7 @@ import apps
 from agents.wrappers.program import die_with
 
 _MOST_LINES = 500  # of the output of one run
-_MOST_RUNS = 20  # that are remembered
+_MOST_RUNS = 20  # that are remembered, and all that have not ended
 _LONGEST_LINE = 1000  # characters
 _ENDING = 30.0  # s that an application has to end; its robots stand at once, and then it may draw what it has recorded
 _CLOSING = 5.0  # s likewise when the console itself ends
@@ -103,7 +103,6 @@ class ApplicationRuns:
         words = [f"{key}={value}" for key, value in arguments.items()]
         self._count += 1
         run = ApplicationRun(self._count, name, words)
-        self.runs = [*self.runs[-_MOST_RUNS + 1 :], run]
         options = [word for folder in self._folders for word in ("--apps", str(folder))]
         run.process = await asyncio.create_subprocess_exec(
             *(sys.executable, "-u", "-m", "acromovi", "run", name, *words, *options, "--bus", self._bus),
@@ -113,6 +112,9 @@ class ApplicationRuns:
             stderr=asyncio.subprocess.STDOUT,
             preexec_fn=partial(die_with, os.getpid()) if sys.platform == "linux" else None,
         )
+        ended = [each for each in self.runs if not each.is_running]
+        forgotten = ended[: max(0, len(self.runs) + 1 - _MOST_RUNS)]
+        self.runs = [*(each for each in self.runs if each not in forgotten), run]
         reading = asyncio.ensure_future(_read(run, run.process))
         self._reading.add(reading)
         reading.add_done_callback(self._reading.discard)

@@ -1,6 +1,7 @@
 """Applications that the console starts: which there are, what they take, their output and their end."""
 
 import asyncio
+import shutil
 import sys
 from pathlib import Path
 
@@ -103,3 +104,30 @@ def test_an_application_that_does_not_end_in_time_is_killed_and_that_is_told() -
     assert run.process is not None
     assert run.process.returncode == -9
     assert list(run.lines) == ["it has not ended within 0.1 s and was killed"]
+
+
+def test_an_application_that_runs_is_not_forgotten_however_many_were_started_after_it(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    ended = [ApplicationRun(number, "laps", [], code=0) for number in range(100, 119)]
+
+    async def act() -> None:
+        runs, first = ApplicationRuns("local", str(folder), [folder]), ApplicationRun(99, "laps", [])
+        first.process = await asyncio.create_subprocess_exec(
+            *(sys.executable, "-c", "input()"), stdin=asyncio.subprocess.PIPE
+        )
+        runs.runs = [first, *ended]
+        monkeypatch.setattr(sys, "executable", shutil.which("true"))  # which ends at once, whatever it is to run
+        last = await runs.start("laps", {})
+        assert runs.runs == [first, *ended[1:], last]
+        await runs.close()
+        assert first.process.returncode == -15
+
+    asyncio.run(act())
+
+
+def test_an_application_that_cannot_be_started_is_not_among_the_runs(folder: Path) -> None:
+    runs = ApplicationRuns("local", str(folder / "removed"), [folder])
+    with pytest.raises(FileNotFoundError):
+        asyncio.run(runs.start("laps", {}))
+    assert runs.runs == []
