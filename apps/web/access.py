@@ -14,12 +14,11 @@ import stat
 import time
 from collections.abc import Awaitable, Callable
 from dataclasses import dataclass
-from http.cookies import CookieError, SimpleCookie
 from pathlib import Path
 from typing import Self
 from urllib.parse import parse_qs
 
-from starlette.requests import Request
+from starlette.requests import HTTPConnection, Request
 from starlette.responses import HTMLResponse, PlainTextResponse, RedirectResponse
 from starlette.types import ASGIApp, Receive, Scope, Send
 
@@ -162,7 +161,7 @@ class PasswordGate:
         if scope["type"] not in ("http", "websocket"):
             await self._app(scope, receive, send)
             return
-        session = _session_of(scope)
+        session = HTTPConnection(scope).cookies.get(COOKIE, "")
         if scope["type"] == "http" and scope["path"] in ("/login", "/logout"):
             response = await self._answer(Request(scope, receive), session)
             await response(scope, receive, send)
@@ -205,18 +204,6 @@ async def _body_of(request: Request) -> bytes:
         if len(body) > 8 * _LONGEST:
             break
     return body[: 8 * _LONGEST]
-
-
-def _session_of(scope: Scope) -> str:
-    for name, value in scope["headers"]:
-        if name == b"cookie":
-            try:
-                cookie = SimpleCookie(value.decode("latin-1")).get(COOKIE)
-            except CookieError:  # somebody else's malformed cookie
-                continue
-            if cookie is not None:
-                return cookie.value
-    return ""
 
 
 def _time_in_words(seconds: float) -> str:

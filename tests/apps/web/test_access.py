@@ -128,6 +128,17 @@ def test_cookies_of_any_form_open_nothing(cookie: str) -> None:
     visit(step)
 
 
+@pytest.mark.parametrize("other", ['settings={"dark":true}', "näme=1", "a b=c", "[x]=1", "=", 'open="'])
+def test_a_cookie_of_another_program_on_the_same_computer_keeps_nobody_out(other: str) -> None:
+    async def step(browser: AsyncClient, gate: PasswordGate) -> None:
+        await browser.post("/login", data={"password": PASSWORD})
+        own = f"{COOKIE}={browser.cookies[COOKIE]}"
+        for cookie in (f"{other}; {own}", f"{own}; {other}"):
+            assert await socket_reply(gate, cookie) == "websocket.accept"
+
+    visit(step)
+
+
 def test_a_session_ends_by_itself_and_its_end_is_told() -> None:
     ended: list[tuple[str, str]] = []
 
