@@ -4,11 +4,12 @@ So a map can be matched with scans, extended by them, or joined with the map of 
 """
 
 from dataclasses import replace
+from math import hypot
 
 import numpy as np
 from numpy.typing import NDArray
 
-from geometry import Cairn, Pose2D, Segment
+from geometry import Cairn, Pose2D, Segment, wrap_angle
 from maps.building.lines import fitted, thinned
 from maps.building.readings import Floats, moved, turned
 from maps.building_map import BuildingMap
@@ -19,6 +20,8 @@ STEP = 0.03
 """m from one point on a line to the next."""
 TOGETHER = 0.08
 """m within which points of two maps are of one surface, and face one way."""
+SAME_PLACE, SAME_TURN = 0.3, 0.3
+"""m and rad within which places of two maps are one; more than the errors of a placement."""
 
 
 def surface_points(map_: BuildingMap) -> tuple[Floats, Floats]:
@@ -61,7 +64,7 @@ def joined(older: BuildingMap, newer: BuildingMap, resolution: float = 0.05) -> 
 
     Args:
         older: What of it the newer has seen to be free is left out.
-        newer: With a grid.
+        newer: With a grid. Its RobotHome, and places that the older has at about the same pose, are left out.
         resolution: Of the grid, m.
     """
     points, normals = surface_points(older)
@@ -74,9 +77,10 @@ def joined(older: BuildingMap, newer: BuildingMap, resolution: float = 0.05) -> 
     every, facing = np.concatenate((points, new_points)), np.concatenate((normals, new_normals))
     lines, apart = fitted(every, facing)
     left = thinned(every[apart], facing[apart])[0] if apart.any() else np.empty((0, 2))
-    known = {(place.kind, place.name) for place in older.places}
     added = tuple(
-        place for place in newer.places if (place.kind, place.name) not in known and place.kind != "RobotHome"
+        place
+        for place in newer.places
+        if place.kind != "RobotHome" and not any(_is_same_place(place, other) for other in older.places)
     )
     grid = _grids_joined(grid_of(older, resolution), grid_of(newer, resolution), resolution)
     return BuildingMap(tuple(lines), left, grid, older.places + added, older.info or newer.info)
@@ -96,6 +100,27 @@ def _place_at(place: Cairn, pose: Pose2D) -> Cairn:
     return replace(
         place, pose=replace(place.pose, heading=Pose2D(0, 0, 0).compose(Pose2D(0, 0, heading)).heading), extent=extent
     )
+
+
+def _is_same_place(one: Cairn, other: Cairn) -> bool:
+    """Whether two places in one frame are one: kind and name are equal, and they nearly coincide."""
+    if (one.kind, one.name) != (other.kind, other.name) or (one.extent is None) != (other.extent is None):
+        return False
+    if one.extent is None or other.extent is None:
+        is_turned = abs(wrap_angle(one.pose.heading - other.pose.heading)) > SAME_TURN
+        return not is_turned and hypot(one.pose.x - other.pose.x, one.pose.y - other.pose.y) < SAME_PLACE
+    corners, others = _corners(one), _corners(other)
+    away = np.hypot(*(corners[:, None] - others[None]).transpose(2, 0, 1))  # corners may be in another order
+    return bool((away.min(axis=0) < SAME_PLACE).all() and (away.min(axis=1) < SAME_PLACE).all())
+
+
+def _corners(place: Cairn) -> Floats:
+    """Ends of a line, or all corners of an area, m, shape (n, 2)."""
+    assert place.extent is not None
+    x1, y1, x2, y2 = place.extent
+    if place.kind.endswith("Line"):
+        return np.array([(x1, y1), (x2, y2)])
+    return turned(np.array([(x1, y1), (x2, y1), (x2, y2), (x1, y2)]), place.pose.heading)
 
 
 def _normals_of_scattered(points: Floats) -> Floats:

@@ -53,6 +53,31 @@ def test_the_joined_map_shows_all_rooms_once() -> None:
     assert made.grid.values_at(np.array([[7.0, 1.5], [2.0, 6.0]])).tolist() == [0, 0]
 
 
+def test_places_of_both_maps_are_kept_unless_they_coincide() -> None:
+    pose = Pose2D(4.0, -3.0, 2.5)
+
+    def line(*ends: float) -> Cairn:
+        return Cairn("ForbiddenLine", Pose2D(), "", Segment(*ends))
+
+    def area(*corners: float) -> Cairn:
+        return Cairn("ForbiddenArea", Pose2D(), "", Segment(*corners))
+
+    common = (line(1.0, 1.0, 2.0, 1.0), area(1.0, 3.0, 2.0, 4.0), Cairn("Goal", Pose2D(2.0, 2.0), "door"))
+    others = (line(6.0, 7.0, 7.0, 7.0), area(7.0, 7.5, 8.0, 8.0), Cairn("Dock", Pose2D(7.0, 7.0), ""))
+    elsewhere = Cairn("Goal", Pose2D(7.0, 7.0), "lab")
+    ours = part(*SOUTH).with_places(
+        *common, Cairn("Dock", Pose2D(2.0, 3.0), ""), Cairn("Goal", Pose2D(6.5, 3.0), "lab")
+    )
+    theirs = map_at(part(*NORTH).with_places(*common, *others, elsewhere), Pose2D().relative_to(pose))
+    made, _ = merged(ours, theirs)
+    assert made.places[: len(ours.places)] == ours.places
+    added = made.places[len(ours.places) :]
+    assert [each.kind for each in added] == ["ForbiddenLine", "ForbiddenArea", "Dock", "Goal"]
+    assert made.is_forbidden(7.5, 7.75)
+    assert made.forbidden_lines[1] == pytest.approx((6.0, 7.0, 7.0, 7.0), abs=0.1)
+    assert [(round(each.pose.x), round(each.pose.y)) for each in added[2:]] == [(7, 7), (7, 7)]
+
+
 def test_maps_without_a_common_room_are_refused() -> None:
     hall = BuildingMap((*room(0.0, 0.0, 14.0, 2.2), Segment(3.0, 0.0, 3.0, 1.0), Segment(9.0, 1.2, 9.0, 2.2)))
     with pytest.raises(NoOverlap, match=r"same rooms|several ways"):
