@@ -18,6 +18,8 @@ JUMP, JUMP_TURN = 0.2, 0.35
 """m and rad that odometry may change at once."""
 FASTEST, FASTEST_TURN = 2.5, 4.0
 """m/s and rad/s, above the speeds of all robots."""
+LONGEST_STEP = 1.0
+"""Seconds that a robot moves at most between two odometries; in a longer gap its watchdog stops it."""
 LATEST = 0.3
 """Seconds after the newest odometry up to which a pose is still given; the robot has moved little since."""
 FARTHEST = 25.0
@@ -81,7 +83,7 @@ class OdometryTrack:
         if self._stamps and stamp <= self._stamps[-1]:
             self._stamps.clear()
             self._poses.clear()
-        if self._stamps and _is_jump(pose.relative_to(self._last), stamp - self._stamps[-1]):
+        if self._stamps and is_jump(pose.relative_to(self._last), stamp - self._stamps[-1]):
             x, y, heading = self._poses[-1]
             self._frame = Pose2D(x, y, wrap_angle(heading)).compose(Pose2D().relative_to(pose))
         self._last = pose
@@ -112,8 +114,9 @@ class OdometryTrack:
         return np.stack([np.interp(stamps, times, column) for column in table.T], axis=1)
 
 
-def _is_jump(step: Pose2D, seconds: float) -> bool:
-    """Whether odometry was set anew, because no robot moves so far in the time."""
+def is_jump(step: Pose2D, seconds: float) -> bool:
+    """Whether odometry was set anew, because no robot moves so far in the time between two odometries."""
+    seconds = min(abs(seconds), LONGEST_STEP)
     return hypot(step.x, step.y) > JUMP + FASTEST * seconds or abs(step.heading) > JUMP_TURN + FASTEST_TURN * seconds
 
 

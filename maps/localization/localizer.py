@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geometry.pose import Pose2D, wrap_angle
+from maps.building.readings import is_jump
 from maps.building_map import BuildingMap
 from maps.localization.likelihood_field import LikelihoodField
 from maps.localization.memory import ReadingMemory
@@ -27,7 +28,7 @@ Points = NDArray[np.float64]
 _SMOOTHING = 0.5  # m of travel after which an old score counts for 1/e ...
 _SMOOTHING_TIME = 1.0  # ... or s while the robot stands
 _DRIVING = 0.03  # m/s; a slower robot stands
-_JUMP, _FASTEST = 0.5, 2.5  # m, and m/s: no robot moves farther between two readings
+_SILENCE = 2.0  # s; after a longer silence of odometry its watchdog has stopped the robot, and it stands where it was
 _FOUND_SIGMA, _FOUND_TURN = 0.1, 0.05  # m and rad, of a pose that was found by search
 _LATE = 0.12  # s after the latest odometry for which its motion is continued
 
@@ -116,9 +117,15 @@ class Localizer:
         self._particles = self._map_to_odom = None
 
     def add_odometry(self, time: float, pose: Pose2D) -> None:
-        """Take a pose in `odom`."""
-        if self._history.latest is None:
+        """Take a pose in `odom`; where `odom` has a new origin, begin again where the robot was."""
+        before = self._history.latest
+        if before is None:
             self._reading_time = time
+        elif _is_new_origin(pose.relative_to(before[1]), time - before[0]):
+            self._history = OdometryHistory()
+            self._history.add(time, pose)
+            self._begin_after_jump(before[1])
+            return
         self._history.add(time, pose)
 
     def add_scan(self, time: float, ends: Points) -> None:
@@ -211,9 +218,6 @@ class Localizer:
         travel = interval = 0.0
         if before is not None:
             step = raw.relative_to(before[1])
-            if hypot(step.x, step.y) > _JUMP + _FASTEST * abs(time - before[0]):
-                self._begin_after_jump(before[1])
-                return
             self._corrected = self._corrected.compose(self._errors.errors.corrected(step))
             travel, interval = hypot(step.x, step.y), max(0.0, time - before[0])
             if interval and travel / interval > _DRIVING:
@@ -229,6 +233,8 @@ class Localizer:
 
     def _begin_after_jump(self, before: Pose2D) -> None:
         """Go on where the robot was when `odom` has a new origin, as after a restart of the gateway; check the pose."""
+        self._raw = self._scan = None  # readings that wait belong to the old origin
+        self._sonar.clear()
         pose = None if self._map_to_odom is None else self._map_to_odom.compose(before)
         if pose is None:
             self.start_unknown()
@@ -327,6 +333,11 @@ class Localizer:
     def _is_believed(self, found: FoundPose, trust: SensorTrust) -> bool:
         is_clear = found.score >= trust.good and found.margin >= trust.margin
         return is_clear and self._memory.travel >= self._settings.trust.travel
+
+
+def _is_new_origin(step: Pose2D, seconds: float) -> bool:
+    """Whether `odom` has a new origin, by the step between two odometries."""
+    return is_jump(step, 0.0 if abs(seconds) > _SILENCE else seconds)
 
 
 def _origin(pose: Pose2D, odom: Pose2D) -> Pose2D:

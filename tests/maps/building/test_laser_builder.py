@@ -90,6 +90,15 @@ def test_odometry_that_begins_anew_goes_on_where_it_was() -> None:
     assert found[1] == pytest.approx([0.875, 0.0, 1.75], abs=0.15)
 
 
+def test_odometry_that_begins_anew_after_a_long_gap_goes_on_where_it_was() -> None:
+    track = OdometryTrack()
+    for stamp, pose in ((0.0, Pose2D(8.0, 0.0)), (0.1, Pose2D(8.05, 0.0)), (6.0, Pose2D()), (6.1, Pose2D(0.05, 0.0))):
+        track.add(stamp, pose)
+    found = track.at(np.array([0.1, 6.1]))
+    assert found is not None
+    assert found[1] == pytest.approx([8.1, 0.0, 0.0])
+
+
 def test_a_map_is_extended_in_its_own_frame() -> None:
     shifted = map_at(map_of(built()[0].keys), Pose2D(3.0, -2.0, 0.5))
     extra = room(-5.1, 0.0, 5.0, 4.0, ("east", 1.5))

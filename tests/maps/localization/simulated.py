@@ -98,6 +98,10 @@ class SimulatedDrive:
                 if estimate.pose is not None:
                     self.errors.append(np.hypot(estimate.pose.x - self.pose.x, estimate.pose.y - self.pose.y))
 
+    def pause(self, seconds: float) -> None:
+        """Let time go by without odometry and readings, while the robot stands."""
+        self.time += seconds
+
     def restart_odometry(self, pose: Pose2D) -> None:
         """Go on with odometry at another pose, as after a restart of the gateway."""
         self._odometry = pose

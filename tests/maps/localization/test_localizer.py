@@ -88,6 +88,46 @@ def test_a_new_origin_of_odometry_is_bridged() -> None:
     assert robot.errors[-1] < 0.05
 
 
+@pytest.mark.parametrize(("gap", "origin"), [(6.0, Pose2D()), (0.0, Pose2D(1.6, 0.5, 2.5))])
+def test_a_new_origin_after_a_gap_or_by_a_turn_alone_changes_the_transform_at_once(gap: float, origin: Pose2D) -> None:
+    robot = drive()
+    robot.localizer.start_at(START)
+    robot.drive(ROUND[:1])
+    robot.pause(gap)
+    robot.restart_odometry(origin)
+    robot.drive([(0.0, 0.0, 0.1)], sees=False)
+    estimate = robot.localizer.estimate
+    assert estimate.pose is not None
+    assert (estimate.pose.x, estimate.pose.y) == pytest.approx((robot.pose.x, robot.pose.y), abs=0.1)
+    assert abs(wrap_angle(estimate.pose.heading - robot.pose.heading)) < 0.1
+    assert estimate.state is not LOCALIZED  # until readings confirm it
+    robot.drive(ROUND[1:2])
+    assert robot.states[-1] is LOCALIZED
+    assert robot.errors[-1] < 0.05
+
+
+def test_a_new_origin_is_found_before_readings_of_the_old_one_are_used() -> None:
+    robot = drive()
+    robot.localizer.start_at(START)
+    robot.drive(ROUND[:1])
+    robot.localizer.add_scan(robot.time + 3.0, np.array([[1.0, 0.0]]))  # it waits for its odometry
+    robot.pause(6.0)
+    robot.restart_odometry(Pose2D())
+    robot.drive([(0.0, 0.0, 0.2)], sees=False)
+    assert robot.localizer.estimate.silence > 6.0
+
+
+def test_a_robot_that_stands_keeps_its_pose_in_a_pause_of_the_bus() -> None:
+    robot = drive()
+    robot.localizer.start_at(START)
+    robot.drive(ROUND[:1])
+    first = len(robot.states)
+    robot.pause(6.0)
+    robot.drive(ROUND[1:2])
+    assert set(robot.states[first:]) == {LOCALIZED}
+    assert max(robot.errors[first:]) < 0.1
+
+
 def test_moving_people_disturb_little() -> None:
     rng = np.random.default_rng(4)
 
