@@ -86,12 +86,16 @@ class LocalizationAgent(ElementAgent):
         """
         start = _start_of(pose)
         self._end()
-        self._worker = ThreadPoolExecutor(1, thread_name_prefix=str(self.name))
+        self._worker = worker = ThreadPoolExecutor(1, thread_name_prefix=str(self.name))
         try:
-            self._tools, grid = await self._in_thread(lambda: self._loaded(map, start, settings))
+            tools, grid = await self._in_thread(lambda: self._loaded(map, start, settings))
         except Refused as err:
-            self._end()
+            if worker is self._worker:
+                self._end()
             raise failure(err.why) from err
+        if worker is not self._worker:
+            raise failure(f"{self.name} was stopped or started again while it read {map}")
+        self._tools = tools
         self._started = round(self.home.wall_time() * 1e3)
         self._begin(grid)
         return {"state": str(self._state()), "map": map}
@@ -188,7 +192,8 @@ class LocalizationAgent(ElementAgent):
                 {"state": _STOPPED, "pose": None, "odom_in_map": None, "reason": "the localization was stopped"}
             )
         if self._worker is not None:
-            self._worker.shutdown(wait=False, cancel_futures=True)
+            # What waits is short, and runs: a cancelled future would end the request that awaits it without a reply.
+            self._worker.shutdown(wait=False)
         self._worker = self._tools = self._latest = None
         self._has_heard.clear()
 

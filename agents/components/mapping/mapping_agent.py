@@ -60,6 +60,7 @@ class MappingAgent(ElementAgent):
         self._odometry: deque[Sample] = deque(maxlen=MOST_ODOMETRY)
         self._readings: deque[Sample] = deque(maxlen=MOST_READINGS)
         self._hearing: list[Subscription] = []
+        self._starting: object | None = None  # the start that is under way
         self._published: Publisher | None = None
         self._published_at = 0.0
         self._trouble: str | None = None
@@ -102,14 +103,22 @@ class MappingAgent(ElementAgent):
         extend: file of a map that is extended, .map or .yaml, on the machine of this agent. x, y, heading: where the
         robot is in that map, about; by default its RobotHome, or its origin.
         """
-        if self._hearing:
+        if self._hearing or self._starting is not None:
             raise Refused(f"{self.name} is building a map; ask it to stop first")
         given = (x, y, heading)
         if any(each is not None for each in given) and (x is None or y is None):
             raise Refused("a start needs x and y, m; heading, rad, is 0 where it is not given")
         start = None if x is None or y is None else Pose2D(x, y, heading or 0.0)
-        description = await self._description()
-        self._work = await self._in_thread(lambda: _begun(description, extend, start))
+        self._starting = starting = object()
+        try:
+            description = await self._description()
+            work = await self._in_thread(lambda: _begun(description, extend, start))
+            if starting is not self._starting:
+                raise failure(f"{self.name} was stopped while it began the map")
+        finally:
+            if starting is self._starting:
+                self._starting = None
+        self._work = work
         self._trouble, self._figures, self._has_changed = None, {}, False
         self._heard_at = asyncio.get_running_loop().time()
         self._odometry.clear()
@@ -128,7 +137,13 @@ class MappingAgent(ElementAgent):
 
     @request("stop")
     async def end(self, refine: bool = True) -> dict[str, Any]:
-        """Stop listening, and improve the map by all that was seen; it is kept until the next start."""
+        """Stop listening, and improve the map by all that was seen; it is kept until the next start.
+
+        A start that is under way fails, and the map before it is kept.
+        """
+        if self._starting is not None:
+            self._give_up()
+            return self._state()
         work = self._existing()
         await self._work_off()
         self._give_up()
@@ -230,7 +245,8 @@ class MappingAgent(ElementAgent):
         self._published.put(grid_message(grid, round(self.home.wall_time() * NS_PER_S)))
 
     def _give_up(self) -> None:
-        """End the subscriptions."""
+        """End the subscriptions, and a start that is under way."""
+        self._starting = None
         while self._hearing:
             self._hearing.pop().close()
 

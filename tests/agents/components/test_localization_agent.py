@@ -1,3 +1,4 @@
+import asyncio
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -142,3 +143,40 @@ def test_a_localization_costs_nothing_before_and_after_and_takes_a_new_pose(lab:
     assert lab.value("localization", "stop")["state"] == "stopped"
     lab.run(0.1)
     assert hears() == before
+
+
+@pytest.fixture
+def _slow_reading(_without_thread: None, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let reading a map take 2 s."""
+
+    async def slow(self: LocalizationAgent, job: Callable[[], T]) -> T:
+        if self._tools is None:
+            await asyncio.sleep(2.0)
+        return job()
+
+    monkeypatch.setattr(LocalizationAgent, "_in_thread", slow)
+
+
+@pytest.mark.usefixtures("_slow_reading")
+def test_a_stop_while_the_map_is_read_ends_the_start(lab: Lab, file: str) -> None:
+    results = lab.results("localization")
+    starting = lab.begin("localization", "start", map=file)
+    lab.run(0.5)
+    assert lab.value("localization", "stop") == {"state": "stopped"}
+    assert "was stopped" in lab.do(starting).why
+    lab.run(1.0)
+    assert lab.value("localization", "state")["state"] == "stopped"
+    assert results == []
+
+
+@pytest.mark.usefixtures("_slow_reading")
+def test_of_two_starts_the_later_one_localizes_the_robot(lab: Lab, file: str) -> None:
+    first = lab.begin("localization", "start", map=file, pose=[2.5, 6.1, 0.0])
+    lab.run(0.5)
+    lab.value("localization", "start", map=file)
+    assert "started again" in lab.do(first).why
+    lab.until(lambda: lab.value("localization", "state")["state"] == "localized")
+    assert lab.value("localization", "state")["pose"][:2] == pytest.approx([8.2, 6.1], abs=0.1)
+    assert lab.value("localization", "stop")["state"] == "stopped"
+    lab.run(1.0)
+    assert lab.value("localization", "state")["state"] == "stopped"

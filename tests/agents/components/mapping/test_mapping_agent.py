@@ -3,6 +3,7 @@
 import asyncio
 import base64
 import math
+import threading
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from pathlib import Path
@@ -12,6 +13,7 @@ import numpy as np
 import pytest
 
 from acromovi.mapping.grids import grid_of_message
+from agents.components.mapping import mapping_agent
 from agents.components.mapping.mapping_agent import MappingAgent
 from agents.platform import Agent, Container, Ending, Outcome, Report
 from bus import MemoryBus, Sample, keys, messages
@@ -179,6 +181,32 @@ def test_a_start_that_does_not_fit_the_map_is_told_and_ends_the_building(tmp_pat
                 await asyncio.sleep(0.05)
         assert "give the pose" in state["trouble"]
         assert not at.laser.has_listeners
+
+    play(story)
+
+
+def test_a_stop_while_a_map_is_begun_ends_the_start(monkeypatch: pytest.MonkeyPatch) -> None:
+    reached, may_go_on = threading.Event(), threading.Event()
+    begun = mapping_agent._begun
+
+    def slow(*given: Any) -> Any:
+        reached.set()
+        may_go_on.wait(20.0)
+        return begun(*given)
+
+    monkeypatch.setattr(mapping_agent, "_begun", slow)
+
+    async def story(at: Bench) -> None:
+        try:
+            starting = asyncio.ensure_future(at.ask("start"))
+            await at.until(reached.is_set)
+            assert "ask it to stop first" in (await at.ask("start")).why
+            assert (await at.value("stop"))["building"] is False
+        finally:
+            may_go_on.set()
+        assert "was stopped" in (await starting).why
+        assert not at.laser.has_listeners
+        assert (await at.value("start"))["building"] is True
 
     play(story)
 
