@@ -30,6 +30,7 @@ PERIOD = 0.25
 MOST_ODOMETRY, MOST_READINGS = 3000, 100
 """Messages kept between two batches; of more readings the oldest are left out, which odometry bridges."""
 DESCRIPTION_TIME = 2.0  # s for the gateway to describe the robot
+LOCALIZATION_TIME = 2.0  # s for the localization to tell its state
 MOST_CONTENT = 6_000_000
 """Bytes of a map's files that are sent in one reply."""
 
@@ -111,6 +112,7 @@ class MappingAgent(ElementAgent):
         start = None if x is None or y is None else Pose2D(x, y, heading or 0.0)
         self._starting = starting = object()
         try:
+            await self._check_localization()
             description = await self._description()
             work = await self._in_thread(lambda: _begun(description, extend, start))
             if starting is not self._starting:
@@ -190,6 +192,21 @@ class MappingAgent(ElementAgent):
 
     def _state(self) -> dict[str, Any]:
         return {"building": bool(self._hearing), **self._figures, "trouble": self._trouble}
+
+    async def _check_localization(self) -> None:
+        """Refuse to begin while the robot is localized: both would publish their grids on `<robot>/map`.
+
+        Raises:
+            Refused: Its localization is under way.
+        """
+        localization = AgentName("localization", self.robot)
+        outcome = await self.request(localization, "state", reply_within=LOCALIZATION_TIME)
+        # A robot without the agent, or whose agent does not reply, publishes no grid of another map.
+        if outcome.is_done and outcome.value()["state"] != "stopped":
+            raise Refused(
+                f"{self.robot} is localized on another map, and both maps would be on {keys.MAP.key(self.robot)};"
+                f" stop it with: acromovi localize {self.robot} --stop"
+            )
 
     async def _description(self) -> Mapping[str, Any]:
         try:

@@ -15,7 +15,7 @@ import pytest
 from acromovi.mapping.grids import grid_of_message
 from agents.components.mapping import mapping_agent
 from agents.components.mapping.mapping_agent import MappingAgent
-from agents.platform import Agent, Container, Ending, Outcome, Report
+from agents.platform import Agent, Container, Ending, Outcome, Report, request
 from bus import MemoryBus, Sample, keys, messages
 from bus.messages import LaserScan, Odometry, Point, Pose, PoseWithCovariance, TwistWithCovariance
 from geometry import Pose2D
@@ -181,6 +181,30 @@ def test_a_start_that_does_not_fit_the_map_is_told_and_ends_the_building(tmp_pat
                 await asyncio.sleep(0.05)
         assert "give the pose" in state["trouble"]
         assert not at.laser.has_listeners
+
+    play(story)
+
+
+class PlayedLocalization(Agent):
+    """`localization@happy`, which tells a state."""
+
+    told = "searching"
+
+    @request("state")
+    async def tell_state(self) -> dict[str, Any]:
+        return {"state": self.told}
+
+
+def test_no_map_is_begun_while_the_robot_is_localized_on_another_one() -> None:
+    async def story(at: Bench) -> None:
+        localization = PlayedLocalization("localization@happy")
+        assert await at.container.start(localization)
+        outcome = await at.ask("start")
+        assert outcome.ending is not Ending.DONE
+        assert "acromovi localize happy --stop" in outcome.why
+        assert not at.laser.has_listeners
+        localization.told = "stopped"
+        assert (await at.value("start"))["building"] is True
 
     play(story)
 
