@@ -37,8 +37,7 @@ def grid_of(map_: BuildingMap, resolution: float = RESOLUTION) -> OccupancyGrid:
     x_min, y_min, x_max, y_max = map_.bounds
     x, y = (resolution * floor((least - _MARGIN) / resolution) for least in (x_min, y_min))
     columns, rows = (ceil((m + _MARGIN - at) / resolution) for m, at in ((x_max, x), (y_max, y)))
-    if rows * columns > _MOST_CELLS:
-        raise ValueError(f"a grid of {columns} x {rows} cells of {resolution} m is too large; use coarser cells")
+    check_size(rows, columns, resolution)
     occupied, barriers = np.zeros((2, rows, columns), np.bool_)
     for mask, points in (
         (occupied, map_.points),
@@ -53,6 +52,19 @@ def grid_of(map_: BuildingMap, resolution: float = RESOLUTION) -> OccupancyGrid:
         cells[:] = FREE
     cells[occupied] = OCCUPIED
     return OccupancyGrid(cells, resolution, Pose2D(x, y))
+
+
+def check_size(rows: int, columns: int, resolution: float) -> None:
+    """Check that a grid of cells with an edge of `resolution` m fits the memory.
+
+    Raises:
+        ValueError: it has too many cells.
+    """
+    if rows * columns > _MOST_CELLS:
+        raise ValueError(
+            f"a grid of {columns} x {rows} cells of {resolution} m is too large; use coarser cells,"
+            " or remove what lies far from the walls"
+        )
 
 
 def forbidden_cells(map_: BuildingMap, grid: OccupancyGrid) -> Mask:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from maps.building_map import BuildingMap
 from maps.distance import distance_transform, lower_to_segments
 from maps.occupancy import FREE
-from maps.rasterization import grid_of
+from maps.rasterization import check_size, grid_of
 
 Floats = NDArray[np.float32]
 Poses = NDArray[np.float64]
@@ -45,6 +45,7 @@ class LikelihoodField:
         x_min, y_min, x_max, y_max = map_.bounds
         self.x, self.y = (cell * floor((least - _MARGIN) / cell) for least in (x_min, y_min))
         columns, rows = (ceil((m + _MARGIN - at) / cell) for m, at in ((x_max, self.x), (y_max, self.y)))
+        check_size(rows, columns, cell)
         points = map_.points
         if map_.grid is not None:
             points = np.concatenate((points, map_.grid.centres(map_.grid.is_occupied())))

@@ -215,3 +215,8 @@ def test_the_same_seed_gives_the_same_poses() -> None:
 def test_a_map_without_walls_is_refused() -> None:
     with pytest.raises(ValueError, match="empty"):
         Localizer(BuildingMap(), settings())
+
+
+def test_a_map_with_a_point_far_out_is_refused_before_memory_is_taken() -> None:
+    with pytest.raises(ValueError, match="too large"):
+        Localizer(BuildingMap(FLOOR.lines, np.array([[1e6, 1e6]])), settings())
