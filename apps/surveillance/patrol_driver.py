@@ -41,6 +41,10 @@ class RobotNotAble(Exception):
     """The robot cannot patrol any more: it is lost, or another program drives it; the message says why."""
 
 
+class RobotLost(RobotNotAble):
+    """The robot is not localized; it may be so again in a moment."""
+
+
 class PatrolDriver:
     """Drives a robot, in the event loop of its agent. A cancelled drive stops the robot."""
 
@@ -223,7 +227,7 @@ class PatrolDriver:
     def _trusted_pose(self) -> Pose2D:
         pose = self._senses.pose
         if pose is None:
-            raise RobotNotAble(self._senses.trouble)
+            raise RobotLost(self._senses.trouble)
         return pose
 
 

@@ -14,7 +14,7 @@ from apps.surveillance.algorithms.changes import MapComparison, SeenFloor
 from apps.surveillance.algorithms.floor import PatrolFloor
 from apps.surveillance.algorithms.intruders import WatchedThing
 from apps.surveillance.algorithms.room_plan import RoomPlan
-from apps.surveillance.patrol_driver import PatrolDriver, PlaceNotReached, RobotNotAble
+from apps.surveillance.patrol_driver import PatrolDriver, PlaceNotReached, RobotLost, RobotNotAble
 from apps.surveillance.patrol_senses import LOCALIZATION, MOTION, PatrolSenses
 from apps.surveillance.settings import SurveillanceSettings
 from bus import Refused
@@ -260,7 +260,7 @@ class PatrolDuty:
                     self._does = "waits for rooms"
                     await asyncio.sleep(_CHECK)
             except RobotNotAble as err:
-                if self.senses.is_localized:
+                if self.senses.is_localized and not isinstance(err, RobotLost):
                     return f"{self._robot_name} has stopped: {err}"
                 self._does = f"stands: {err}"
                 await asyncio.sleep(_CHECK)  # `run` ends it, unless the localization comes back

@@ -109,7 +109,7 @@ class PatrolSenses(Closeable):
     @property
     def is_localized(self) -> bool:
         """Whether the localization is to be believed now."""
-        return self._loop.time() - self._localized_at <= _FRESH
+        return self._state == "localized" and self._loop.time() - self._localized_at <= _FRESH
 
     @property
     def lost_for(self) -> float:

@@ -10,7 +10,7 @@ import pytest
 from agents.platform import Agent, AgentName, Container, request
 from agents.platform.directory import Directory
 from agents.platform.virtual_time import VirtualTimeLoop
-from apps.surveillance.patrol_driver import PatrolDriver, PlaceNotReached
+from apps.surveillance.patrol_driver import PatrolDriver, PlaceNotReached, RobotLost
 from apps.surveillance.patrol_senses import PatrolSenses
 from apps.surveillance.settings import SurveillanceSettings
 from benchmarks.surveillance_robots import PlayedNavigation, PlayedRobot
@@ -47,7 +47,8 @@ class Stage:
         for container, each in zip(self._containers, (self.navigation, agent), strict=True):
             assert self.run(container.start(each))
         loop.run_for(0.1)
-        senses = cast(PatrolSenses, SimpleNamespace(pose=HAPPY, trouble=""))
+        self.senses = SimpleNamespace(pose=HAPPY, trouble="")
+        senses = cast(PatrolSenses, self.senses)
         geometry = {"length_front": 0.2, "length_rear": 0.2, "width": 0.4}
         settings = SurveillanceSettings.load()
         self.driver = PatrolDriver(agent, self._directory, senses, floor(), geometry, settings)
@@ -90,6 +91,12 @@ def test_a_mission_that_may_have_begun_is_cancelled(stage: Stage) -> None:
     with pytest.raises(PlaceNotReached):
         stage.run(stage.driver.go(lambda: stage.goal, 0.3))
     assert stage.robot.state == "cancelled"
+
+
+def test_a_robot_that_is_lost_for_a_moment_is_not_taken_for_one_that_cannot_go_on(stage: Stage) -> None:
+    stage.senses.pose, stage.senses.trouble = None, "it is not localized: the readings do not fit the given pose yet"
+    with pytest.raises(RobotLost, match="not localized"):
+        stage.run(stage.driver.go(lambda: stage.goal, 0.3))
 
 
 def test_the_mission_of_another_program_is_left_alone_when_the_navigation_refuses(stage: Stage) -> None:

@@ -116,6 +116,18 @@ def test_a_robot_that_is_lost_stands_at_once_and_its_rooms_are_auctioned_again(m
     assert course.run_until(lambda: "doc" in course.manager.market.assigned.values(), 15.0)
 
 
+def test_a_robot_stands_as_soon_as_its_localization_tells_that_it_is_lost_and_drives_on_afterwards(make: Make) -> None:
+    course = make()
+    begin_driving(course, "doc")
+    course.robots["doc"].is_lost = True
+    course.run(0.5)
+    assert not moves(course, "doc")
+    course.robots["doc"].is_lost = False
+    course.run(1.0)
+    assert moves(course, "doc")
+    assert not any("doc leaves the patrol" in text for text in told(course))
+
+
 def test_robots_stand_when_the_manager_has_gone(make: Make) -> None:
     course = make()
     begin_driving(course, "doc")
