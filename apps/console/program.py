@@ -27,6 +27,7 @@ from apps.console.timeline import Timeline
 from apps.console.visits import Visit, Visits
 from apps.remote_vision.program import RemoteVision
 from apps.remote_vision.settings import RemoteVisionSettings
+from apps.web.access import Sessions
 from bus import BusError, NotAllowed, keys
 from bus.aio import query
 from bus.keys import Topic
@@ -38,6 +39,7 @@ if TYPE_CHECKING:
 _PATIENCE = 10.0  # s for a request to an agent
 _ANSWER = 2.0  # s for a command to a gateway
 _CHECK = 0.05  # s between two looks at who drives
+_LOOK = 0.25  # s between two looks at sessions and certificates whose time is over: until then a page drives on
 _SAMPLE = 0.2  # s between two points of a path
 _KNOWN_EVENTS = 200  # of the monitor, from before the console was started
 
@@ -65,10 +67,11 @@ class Console:
 
     agent: asks all other agents. settings: of the application. inputs: of its start. look_only: why nothing
     can be commanded, in words; empty if the role on the bus permits it. replay: the recording that is shown; None for a
-    live team. robots: the robots. timeline: the events. directory: the names of the agents.
-    agents: their containers and states. sniffer: what they send each other. map: the map. vision: the cameras and their
-    heads. can_aim: whether what aims a camera by its image is installed. emulator: the emulator; None without one.
-    applications: those that run. visits: the pages that are open.
+    live team. sessions: of those who have given the password; None where none is asked for. robots: the robots.
+    timeline: the events. directory: the names of the agents. agents: their containers and states. sniffer: what they
+    send each other. map: the map. vision: the cameras and their heads. can_aim: whether what aims a camera by its image
+    is installed. emulator: the emulator; None without one. applications: those that run. visits: the pages that are
+    open.
     """
 
     def __init__(
@@ -78,9 +81,10 @@ class Console:
         inputs: ConsoleInputs,
         look_only: str = "",
         replay: "Replay | None" = None,
+        sessions: Sessions | None = None,
     ) -> None:
         self.agent, self.settings, self.inputs = agent, settings, inputs
-        self.look_only, self.replay = look_only, replay
+        self.look_only, self.replay, self.sessions = look_only, replay, sessions
         self._timeline = Timeline(agent.home.wall_time)
         self.can_aim = not missing("vision")
         self.emulator = EmulatorControl(inputs.control) if inputs.control else None
@@ -115,6 +119,11 @@ class Console:
         )
         tasks = [self._watch_drivers(), self._sample(), self.map.run()]
         tasks += [self._recall()] if self.replay is None else [self.replay.run(), self._begin_replay(self.replay)]
+        # no behaviours of the agent: that can be suspended and stopped, and pages must end all the same
+        tasks.append(self._again(_LOOK, self.visits.end_expired))
+        if self.sessions is not None:
+            self.sessions.on_end = self.visits.end_session
+            tasks.append(self._again(_LOOK, self.sessions.end_old))
         self._tasks = [asyncio.ensure_future(each) for each in tasks]
         return self
 

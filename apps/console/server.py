@@ -25,8 +25,6 @@ from bus import Bus
 if TYPE_CHECKING:
     from apps.console.replay import Replay  # of the extra `recorder`
 
-_LOOK = 0.25  # s between two looks at sessions and certificates whose time is over: until then a page drives on
-
 
 async def serve(
     bus: Bus,
@@ -57,13 +55,8 @@ async def serve(
             agent,
             may_command,
         ),
-        Console(agent, settings, inputs, _look_only(replay, may_command), replay) as console,
+        Console(agent, settings, inputs, _look_only(replay, may_command), replay, sessions) as console,
     ):
-        if sessions is not None:
-            sessions.on_end = console.visits.end_session
-            agent.every(_LOOK, sessions.end_old)
-        if certificate is not None:
-            agent.every(_LOOK, console.visits.end_expired)
 
         def guard(inner: ASGIApp) -> ASGIApp:
             by_password = PasswordGate(inner, sessions) if sessions is not None else None

@@ -7,11 +7,14 @@ import pytest
 
 from apps.console.program import Console, ConsoleInputs
 from apps.console.settings import ConsoleSettings
+from apps.web.access import PasswordHash, Sessions
 from tests.agents.components.conftest import loop as loop
 from tests.agents.components.conftest import make_lab as make_lab
 
 if TYPE_CHECKING:
     from tests.agents.components.conftest import Lab, MakeLab
+
+PASSWORD = "correct horse"
 
 
 @pytest.fixture
@@ -21,10 +24,11 @@ def lab(make_lab: "MakeLab") -> "Lab":
 
 @pytest.fixture
 def console(lab: "Lab") -> Iterator[Console]:
-    """A console whose agent is `app@lab`; it knows the robot."""
+    """A console whose agent is `app@lab`, with sessions that are over at once; it knows the robot."""
 
     async def begin() -> Console:
-        return await Console(lab.app, ConsoleSettings.load(), ConsoleInputs()).__aenter__()
+        sessions = Sessions(PasswordHash.of(PASSWORD), lasts=0.0, pause=0.0)
+        return await Console(lab.app, ConsoleSettings.load(), ConsoleInputs(), sessions=sessions).__aenter__()
 
     console = lab.do(begin())
     lab.until(lambda: any(robot.description for robot in console.robots.robots.values()))

@@ -2,10 +2,17 @@
 
 import asyncio
 import time
+from typing import TYPE_CHECKING
 
 import pytest
 
+from apps.console.program import Console
 from apps.console.visits import Visit, Visits
+from bus import keys
+from tests.apps.console.conftest import PASSWORD
+
+if TYPE_CHECKING:
+    from tests.agents.components.conftest import Lab
 
 
 class Room:
@@ -83,3 +90,27 @@ def test_neither_an_error_nor_slow_leases_keep_another_page_from_ending() -> Non
 
     room = asyncio.run(act())
     assert sorted(room.released) == ["failing", "last", "slow", "third", "wrong"]
+
+
+@pytest.mark.parametrize("is_stopped", [False, True])
+def test_pages_end_in_time_though_the_agent_of_the_console_is_suspended_or_stopped(
+    lab: "Lab", console: Console, is_stopped: bool
+) -> None:
+    assert console.sessions is not None
+    session = asyncio.run(console.sessions.begin(PASSWORD))  # which waits for a thread, as virtual time cannot
+    anna, bert = console.visits.begin("1.2.3.4", owner="operator.anna"), console.visits.begin("1.2.3.5")
+    anna.robot, anna.sockets = "happy", 1
+    drive = console.drive_of("happy")
+    lab.do(drive.take(anna, ("base",), lab.loop.time()))
+    assert drive.token("base")
+    if is_stopped:
+        lab.do(lab.office.stop(lab.app.name))
+    else:
+        lab.office.suspend(lab.app.name)
+    anna.expires, bert.session = time.time(), session
+    lab.run(0.5)
+    assert [each.ticket in console.visits for each in (anna, bert)] == [False, False]
+    assert anna.look_only.startswith("the certificate of operator.anna has expired")
+    assert bert.look_only.endswith("a session lasts no longer")
+    assert drive.holder is None
+    assert lab.bus.query(keys.LEASE_STATE.key("happy"), {})[0].value["elements"] == {}
