@@ -304,6 +304,7 @@ class SurveillanceCourse:
             "pose": [at.x, at.y, at.heading],
             "deviations": [OFF, OFF, TURNED],
             "odom_in_map": [ORIGIN.x, ORIGIN.y, ORIGIN.heading],
+            "started": robot.started,
             "reason": "the readings fit no place" if robot.is_lost else None,
         }
         self._containers[robot.name].agent(AgentName("localization", robot.name)).publish(told)

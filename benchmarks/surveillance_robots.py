@@ -64,7 +64,8 @@ class PlayedRobot:
     """The truth of one robot.
 
     way: corners that are still ahead. path: where it was, each second. barred: places, m. stalls: how often its wheels
-    are still going to be blocked. backed: m that it was told to drive back.
+    are still going to be blocked. backed: m that it was told to drive back. started: ms, of its localization. map: on
+    which that is; empty for the map of the course.
     """
 
     name: str
@@ -78,6 +79,8 @@ class PlayedRobot:
     barred: list[Point] = field(default_factory=list)
     stalls: int = 0
     backed: float = 0.0
+    started: int = 1
+    map: str = ""
     error: list[float] = field(default_factory=lambda: [0.0, 0.0, 0.0])
     path: list[Pose2D] = field(default_factory=list)
 
@@ -163,7 +166,9 @@ class PlayedLocalization(Agent):
     @request("state")
     async def state_of_localization(self) -> dict[str, Any]:
         """Return the state and the file of the map."""
-        return {"state": "searching" if self._robot.is_lost else "localized", "map": str(self._file), "reason": None}
+        robot = self._robot
+        state, file = "searching" if robot.is_lost else "localized", robot.map or str(self._file)
+        return {"state": state, "map": file, "started": robot.started, "reason": None}
 
 
 class PlayedNavigation(Agent):

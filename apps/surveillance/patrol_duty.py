@@ -36,10 +36,12 @@ _BESIDE = 0.05  # m that ways keep beside the hull
 class PatrollingRobot:
     """A robot and the map on which it is localized.
 
-    file: of the map. geometry: of its base. view: of its camera, rad, 0 without one. seen: the floor as it has seen it.
+    file: of the map. started: of the localization on it, ms since 1970. geometry: of its base. view: of its camera,
+    rad, 0 without one. seen: the floor as it has seen it.
     """
 
     file: str
+    started: Any
     map: BuildingMap
     floor: PatrolFloor
     geometry: Mapping[str, Any]
@@ -71,16 +73,16 @@ async def prepared(agent: Agent, before: PatrollingRobot | None) -> PatrollingRo
     if sensors.laser is None and not sensors.discs:
         raise Refused(f"{robot} has neither laser nor sonar, so it would see no intruder")
     geometry = dict(base["properties"]["geometry"])
-    made = await asyncio.to_thread(_made, str(file), geometry, sensors, await _view(agent))
+    made = await asyncio.to_thread(_made, str(file), told.result.get("started"), geometry, sensors, await _view(agent))
     if before is not None and before.file == made.file and before.seen.fits(made.floor):
         return replace(made, seen=before.seen)
     return made
 
 
-def _made(file: str, geometry: Mapping[str, Any], sensors: SensorPlaces, view: float) -> PatrollingRobot:
+def _made(file: str, started: Any, geometry: Mapping[str, Any], sensors: SensorPlaces, view: float) -> PatrollingRobot:
     map_ = read_building_map(file)
     floor = PatrolFloor(map_, 0.5 * float(geometry["width"]) + _BESIDE)
-    return PatrollingRobot(file, map_, floor, geometry, sensors, view, SeenFloor(floor))
+    return PatrollingRobot(file, started, map_, floor, geometry, sensors, view, SeenFloor(floor))
 
 
 async def _view(agent: Agent) -> float:
@@ -116,7 +118,7 @@ class PatrolDuty:
         """
         self.plan = RoomPlan(rooms, robot.floor, settings.patrol)
         comparison = MapComparison(robot.map, robot.floor, settings.scan, settings.sonar, settings.member)
-        self.senses = PatrolSenses(agent, robot.sensors, comparison, robot.seen, settings, self._alarmed)
+        self.senses = PatrolSenses(agent, robot.sensors, comparison, robot.seen, settings, self._alarmed, robot.started)
         self.senses.view = robot.view
         self._driver = PatrolDriver(agent, directory, self.senses, robot.floor, robot.geometry, settings)
         self._directory = directory

@@ -204,12 +204,14 @@ class PatrolManager(Agent):
 
     async def _serve(self, robot: str, member: PatrolMember) -> None:
         """Have one robot serve, until it does not any more."""
-        trouble = ""
+        trouble = file = ""
         try:
             await self._bring_up(robot)
             if not self.places:
                 await self._find_rooms(robot)
-            member.state, member.heard, member.trouble = {}, self._clock() + _REPLY, ""
+            member.trouble = ""
+            file = await self._map_of(robot, member)
+            member.state, member.heard = {}, self._clock() + _REPLY
             rooms = {room: list(place) for room, place in self.places.items()}
             member.serving = self.begin_request(
                 AgentName(LOCAL, robot), "serve", reply_within=FOREVER, rooms=rooms, settings=self.tuned.to_table()
@@ -230,6 +232,7 @@ class PatrolManager(Agent):
             member.state = {**member.state, "serves": False}
             self.market.release(robot)
         if did_serve:
+            member.map = member.map or file
             self._tell(f"{robot} leaves the patrol: {member.trouble}", robot=robot)
             await self._stop(robot)
 
@@ -256,6 +259,18 @@ class PatrolManager(Agent):
                 localization, "start", reply_within=60.0, map=self.properties["map"], pose=list(start)
             )
             begun.value()
+
+    async def _map_of(self, robot: str, member: PatrolMember) -> str:
+        """Return the file of the map on which a robot is localized; empty if it is not.
+
+        Raises:
+            AgentError: The robot joined first on another map, in which the places of the rooms may be elsewhere.
+        """
+        told = await self.request(AgentName(LOCALIZATION, robot), "state", reply_within=_REPLY)
+        file = str(told.result.get("map") or "") if told.is_done else ""
+        if file and member.map and file != member.map:
+            raise AgentError(f"is localized on {file}, and the rooms are places in {member.map}; restart the patrol")
+        return file
 
     async def _find_rooms(self, robot: str) -> None:
         """Take the goals of the map on which a robot is localized, or those of them that the settings name.

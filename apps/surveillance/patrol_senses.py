@@ -50,6 +50,7 @@ class PatrolSenses(Closeable):
         seen: SeenFloor,
         settings: SurveillanceSettings,
         on_alarm: Callable[[WatchedThing], None],
+        started: Any,
     ) -> None:
         """Subscribe.
 
@@ -60,6 +61,7 @@ class PatrolSenses(Closeable):
             seen: The floor as the robot has seen it.
             settings: Of the application.
             on_alarm: Called in the loop with each new intruder.
+            started: Of the localization on that map; poses of any other one are not believed.
         """
         self.odom_in_map: Pose2D | None = None
         self.charging: bool | None = None
@@ -74,6 +76,7 @@ class PatrolSenses(Closeable):
         self._poses = StampedPoses(_BEYOND)
         self._pose: Pose2D | None = None
         self._state, self._reason = "stopped", "no localization was started"
+        self._started, self._is_another = started, False  # localization
         self._localized_at = self._heard_at = self._scanned_at = -inf
         self._looks_since = inf
         self._deviation = inf
@@ -121,6 +124,8 @@ class PatrolSenses(Closeable):
         """Why the localization is not to be believed; empty if it is."""
         if self.is_localized:
             return ""
+        if self._is_another:
+            return "its localization was started again, and its patrol has the map of the one before"
         silence = self._loop.time() - self._heard_at
         if self._heard_at > -inf and silence > _FRESH:
             return f"its localization has been silent for {silence:.1f} s"
@@ -203,6 +208,9 @@ class PatrolSenses(Closeable):
         self._heard_at = now
         self._state, self._reason = str(result["state"]), str(result.get("reason") or "")
         if self._state != "localized" or result.get("pose") is None:
+            return
+        if self._is_another or result.get("started") != self._started:
+            self._is_another, self._localized_at = True, -inf
             return
         pose = _pose(result["pose"])
         self.odom_in_map = _pose(result["odom_in_map"])

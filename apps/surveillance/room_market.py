@@ -22,6 +22,7 @@ class PatrolMember:
     serving: the conversation in which it serves. state: its latest, with `heard`, s of the loop's time. trouble: why it
     does not serve. again: s of the loop's time when it is asked again. begins: it is being asked. has_joined: it has
     reported in this conversation. is_lost: its localization has lost it, so it may be what others see.
+    map: file of the map on which it joined first.
     """
 
     serving: Request | None = None
@@ -32,6 +33,7 @@ class PatrolMember:
     begins: bool = False
     has_joined: bool = False
     is_lost: bool = False
+    map: str = ""
 
     @property
     def serves(self) -> bool:

@@ -1,6 +1,7 @@
 """A team on patrol in virtual time: the agents of the application, and robots that are played."""
 
 import base64
+import shutil
 from collections.abc import Callable, Iterator
 from math import dist
 from pathlib import Path
@@ -126,6 +127,25 @@ def test_a_robot_stands_as_soon_as_its_localization_tells_that_it_is_lost_and_dr
     course.run(1.0)
     assert moves(course, "doc")
     assert not any("doc leaves the patrol" in text for text in told(course))
+
+
+@pytest.mark.parametrize("is_same_map", [True, False])
+def test_a_robot_that_is_localized_anew_ends_its_patrol_and_joins_again_only_on_the_same_map(
+    make: Make, tmp_path: Path, is_same_map: bool
+) -> None:
+    course = make()
+    begin_driving(course, "doc")
+    doc = course.robots["doc"]
+    if not is_same_map:
+        doc.map = str(shutil.copy(map_file(tmp_path), tmp_path / "another.map"))
+    doc.started += 1
+    course.run(0.5)
+    assert course.run_until(lambda: "doc" not in course.manager.market.assigned.values(), 1.0)
+    assert not moves(course, "doc")
+    assert any("its localization was started again" in text for text in told(course))
+    assert course.run_until(lambda: "doc" in course.manager.market.assigned.values(), 20.0) is is_same_map
+    if not is_same_map:
+        assert course.run_until(lambda: "another.map" in course.manager.members["doc"].trouble, 6.0)
 
 
 def test_robots_stand_when_the_manager_has_gone(make: Make) -> None:
