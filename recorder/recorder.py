@@ -57,6 +57,7 @@ class Recorder(Closeable):
         self.ended = threading.Event()
         self._bus = bus
         self._writer = writer
+        self._offset_ns = time.time_ns() - time.monotonic_ns()
         self._waiting: deque[tuple[int, Sample | _Token | _Standing]] = deque()
         self._bytes_in = 0  # by the threads of the bus
         self._bytes_out = 0  # by the thread that writes
@@ -87,6 +88,10 @@ class Recorder(Closeable):
         while self._open:
             self._open.pop().close()
 
+    def _now_ns(self) -> int:
+        """Return ns since 1970 by the clock at the start: it never goes back, also if the clock is set."""
+        return self._offset_ns + time.monotonic_ns()
+
     # On threads of the bus.
 
     def _hear(self, index: int, sample: Sample) -> None:
@@ -97,7 +102,7 @@ class Recorder(Closeable):
             self.lost += 1
             return
         self._bytes_in += size
-        self._waiting.append((time.time_ns(), sample))
+        self._waiting.append((self._now_ns(), sample))
 
     def _is_repeated(self, index: int, key: str) -> bool:
         """Return whether an expression before this one matches the key, too."""
@@ -109,7 +114,7 @@ class Recorder(Closeable):
         return self._first[key] != index
 
     def _note_token(self, key: str, is_alive: bool) -> None:
-        self._waiting.append((time.time_ns(), _Token(key, is_alive)))
+        self._waiting.append((self._now_ns(), _Token(key, is_alive)))
 
     # On the thread that writes.
 
@@ -117,7 +122,7 @@ class Recorder(Closeable):
         try:
             while not self._is_closing.wait(TURN):
                 self._write_waiting()
-                self._writer.flush(time.time_ns())
+                self._writer.flush(self._now_ns())
             while self._waiting:
                 self._write_waiting()
             self._writer.close()
@@ -154,7 +159,7 @@ class Recorder(Closeable):
 
     def _ask(self, key: str) -> None:
         def keep(answer: Answer) -> None:
-            self._waiting.append((time.time_ns(), _Standing(answer.key, answer.value)))
+            self._waiting.append((self._now_ns(), _Standing(answer.key, answer.value)))
 
         try:
             self._asking[key] = self._bus.ask(key, None, keep, lambda error: None, DESCRIPTION_TIME, urgent=True)

@@ -2,16 +2,17 @@
 
 import errno
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
 from bus.bus import JSON
 from bus.errors import KeyNotValid
 from bus.memory import MemoryBus
-from bus.messages import twist
+from bus.messages import NS_PER_S, twist
 from recorder.recorder import Recorder, expression_of
 from recorder.writer import RecordingWriter
-from tests.recorder.recordings import read
+from tests.recorder.recordings import START, read
 from tests.waiting import wait_until
 
 
@@ -94,3 +95,22 @@ def test_what_a_slow_disk_cannot_take_is_counted(tmp_path: Path, monkeypatch: py
             bus.put("happy/cmd_vel", twist(0.2, 0.0))
     assert recorder.lost == 7
     assert len(read(tmp_path / "slow.mcap")) == 3
+
+
+def test_a_clock_that_is_set_back_neither_delays_the_file_nor_disorders_the_times(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    clock = {"wall": START, "steady": 0}
+    played = SimpleNamespace(time_ns=lambda: clock["wall"], monotonic_ns=lambda: clock["steady"])
+    monkeypatch.setattr("recorder.recorder.time", played)
+    bus, path = MemoryBus(), tmp_path / "set.mcap"
+    writer = RecordingWriter(path, "test")
+    with Recorder(bus, ["**"], writer):
+        bus.put("happy/cmd_vel", twist(0.2, 0.0))
+        wait_until(lambda: writer.messages == 1, "the first message is in the chunk that waits")
+        before = path.stat().st_size
+        clock["wall"] -= 3600 * NS_PER_S
+        clock["steady"] += NS_PER_S
+        wait_until(lambda: path.stat().st_size > before, "the first message is in the file")
+        bus.put("happy/cmd_vel", twist(0.3, 0.0))
+    assert [each.time_ns for each in read(path)] == [START, START + NS_PER_S]
