@@ -3,7 +3,7 @@
 import re
 from urllib.parse import urlsplit
 
-from playwright.sync_api import BrowserContext
+from playwright.sync_api import BrowserContext, Route
 
 from tests.apps.console.in_a_browser.browsing import ConsoleTab, WatchedTeam, drive
 from tests.apps.web.browsing import needs_chromium
@@ -70,8 +70,19 @@ def test_a_key_whose_release_a_menu_or_a_modifier_may_hide_drives_no_longer(team
 
 
 def test_a_stop_that_is_never_answered_is_shown_as_failed(team: WatchedTeam, tab: ConsoleTab) -> None:
+    held: list[Route] = []
+
+    def hold(route: Route) -> None:
+        held.append(route)
+
     tab.go("/robot/happy")
-    tab.page.route("**/stop", lambda route: None)  # as on a network that is dead: neither a reply nor an error
+    tab.page.route("**/stop", hold)  # as on a network that is dead: neither a reply nor an error
     tab.press("Stop all robots")
     tab.sees("NOT STOPPED: the console does not answer")
+    for route in held:
+        route.abort()  # a browser lets what is held go on when nothing is held back any more, and all robots would stop
     tab.page.unroute("**/stop")
+    tab.rest()
+    drive(team, tab)  # they have not
+    tab.release("ArrowLeft")
+    tab.release_control()
