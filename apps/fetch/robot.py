@@ -77,7 +77,7 @@ class FetchRobot:
             self._kinds["bumpers"] = _AskedReading("read", self._take_bumpers)
         if robot.has("ptz"):
             lowest = (robot.ptz.properties.get("limits") or {}).get("tilt", (-math.inf,))[0]
-            robot.ptz.look(pan=0.0, tilt=max(-settings.camera.down_rad, lowest))
+            robot.ptz.look(pan=0.0, tilt=max(-settings.camera.down_rad, lowest), zoom=1.0)  # as its model is
             self._kinds["ptz"] = _AskedReading("read", self._take_head, _SLOW)
         if hand.element == "arm":
             robot.arm.power()
