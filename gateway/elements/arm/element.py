@@ -4,7 +4,7 @@ The robot says how its servos count; in which sense, and how far the fingers ope
 Source: fact sheet of accessories, section 5.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from functools import cache
 from math import inf, pi
 from typing import NamedTuple
@@ -12,11 +12,8 @@ from typing import NamedTuple
 from configs import load
 from gateway.elements.arm.joint_limits import JointLimits
 from gateway.elements.asked import AskedElement
-from gateway.elements.repeated_stop import RepeatedStop
 from gateway.errors import CommandRefused
-from gateway.events import ArmSeen, Event
-from gateway.outbox import Outbox
-from gateway.settings import Settings
+from gateway.events import ArmSeen
 from p2os import ArmInformation, ArmJoint, ArmReport, ArmStatus, Command, RobotModel, encode_command
 from p2os.accessories.arm_model import ArmModel
 from p2os.accessories.pioneer_arm import EVERY_JOINT, LONGEST_MS, MANUAL_CONNECTED, MANUAL_POWERED, MS
@@ -62,11 +59,6 @@ class ArmElement(AskedElement[ArmInformation | ArmReport]):
     _paces: Mapping[int, int] = {}
     _places: tuple[float, ...] = ()
     _moves = False
-
-    def __init__(self, outbox: Outbox, announce: Callable[[Event], None], settings: Settings) -> None:
-        """Prepare the element; arguments as those of `Element`."""
-        super().__init__(outbox, announce, settings)
-        self._stop = RepeatedStop()
 
     def begin_link(self, model: RobotModel, now: float) -> None:
         """Ask; the robot has taken the arm home and its power off, and forgotten the speeds."""

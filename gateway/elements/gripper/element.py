@@ -5,18 +5,15 @@ what: the state byte follows the sonar readings, and again in the byte after it;
 laid out as the digital inputs are.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import inf
 from typing import Any
 
 import configs
 from gateway.elements.asked import AskedElement
-from gateway.elements.repeated_stop import RepeatedStop
 from gateway.errors import CommandRefused
-from gateway.events import Event, GripperJoints, GripperSeen
-from gateway.outbox import Outbox
-from gateway.settings import Settings
+from gateway.events import GripperJoints, GripperSeen
 from p2os import Command, Configuration, GripperReport, StandardSip, encode_command
 from p2os.accessories.gripper import GripperFlags, GripperInput, GripperKind, GripperOrder
 from p2os.arguments import PacketRequest
@@ -62,11 +59,6 @@ class GripperElement(AskedElement[GripperReport]):
     _kind = GripperKind.NONE
     _has_failed = False
     _moves = False
-
-    def __init__(self, outbox: Outbox, announce: Callable[[Event], None], settings: Settings) -> None:
-        """Prepare the element; arguments as those of `Element`."""
-        super().__init__(outbox, announce, settings)
-        self._stop = RepeatedStop()
 
     @property
     def faults(self) -> Sequence[str]:

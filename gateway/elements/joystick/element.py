@@ -4,14 +4,8 @@ An empty socket may read as a stick at rest. So the robot is asked for a packet 
 hand has moved the stick, or if the settings know that there is one.
 """
 
-from collections.abc import Callable
-
 from gateway.elements.asked import AskedElement
-from gateway.elements.repeated_stop import RepeatedStop
-from gateway.events import Event
 from gateway.motion_in_progress import is_at_rest
-from gateway.outbox import Outbox
-from gateway.settings import Settings
 from p2os import Command, JoystickReport, RobotModel, StandardSip, encode_command
 from p2os.arguments import PacketRequest
 
@@ -27,12 +21,7 @@ class JoystickElement(AskedElement[JoystickReport]):
     takes = (JoystickReport,)
     question = Command.JOYREQUEST, PacketRequest.ONE
     stream = Command.JOYREQUEST, PacketRequest.CONTINUOUS
-
-    def __init__(self, outbox: Outbox, announce: Callable[[Event], None], settings: Settings) -> None:
-        """Prepare the element; arguments as those of `Element`."""
-        super().__init__(outbox, announce, settings)
-        self.drives = False
-        self._stop = RepeatedStop()
+    drives = False
 
     def begin_link(self, model: RobotModel, now: float) -> None:
         """Ask, unless the settings know that there is none."""
