@@ -9,7 +9,7 @@ import numpy as np
 from acromovi.lockstep import Lockstep
 from apps.docking.cycle import DockingCycle, DockingHull, DockingOrders
 from apps.docking.settings import DockingSettings
-from apps.docking.station import echo_points
+from apps.echoes import echo_points
 from bus import Sample, keys
 from bus.bus import Closeable
 from bus.messages import NS_PER_S, BatteryState, decode, heading, stamp_ns, twist

@@ -12,7 +12,7 @@ from agents import Failed, NotThere, Refused, Robot, RobotError, Stopped, Team, 
 from apps.docking.cycle import DockingCycle, DockingHull, DockingOrders, DockingState
 from apps.docking.place import DockPlace
 from apps.docking.settings import DockingSettings
-from apps.docking.station import echo_points
+from apps.echoes import echo_points
 from geometry import Pose2D, Twist2D
 
 SERVICES = ("docking",)  # for the directory, when it runs as an agent

@@ -14,6 +14,7 @@ from apps.fetch.plots import draw_fetching
 from apps.fetch.record import FetchRecord
 from apps.fetch.settings import FetchSettings
 from apps.fetch.states import FetchState
+from apps.hull import check_hull
 from apps.pictures import check_picture
 from configs.extras import ExtraMissing, require
 from geometry import Point
@@ -148,7 +149,8 @@ def _hand(robot: Robot, settings: FetchSettings) -> Hand:
         RobotError: It holds something, its arm has no fingers, or the settings are those of another robot.
     """
     if robot.has("gripper"):
-        _check_hull(robot, settings)
+        hull = settings.robot
+        check_hull(robot, length_front=hull.front_m, width=2.0 * hull.half_width_m)
         if robot.gripper.read().holds:
             raise RobotError(f"the gripper of {robot.name} holds something already; open it first")
         return PaddleHand()
@@ -170,22 +172,6 @@ def _hand(robot: Robot, settings: FetchSettings) -> Hand:
             f"'joints={{\"{hand.finger_joint}\": {hand.opening:.2g}}}'"
         )
     return hand
-
-
-def _check_hull(robot: Robot, settings: FetchSettings) -> None:
-    """Refuse a robot with a gripper that is larger than the settings say.
-
-    Raises:
-        RobotError: It is.
-    """
-    own = robot.base.properties["geometry"]
-    front, half_width = float(own["length_front"]), float(own["width"]) / 2.0
-    told = settings.robot
-    if front > told.front_m + _SAME_HULL or half_width > told.half_width_m + _SAME_HULL:
-        raise RobotError(
-            f"the settings are of a hull {told.front_m:.2f} m before the axle and {told.half_width_m:.2f} m beside its "
-            f"middle, and that of {robot.name} is {front:.2f} and {half_width:.2f} m; give settings of its own"
-        )
 
 
 def _tell(record: FetchRecord, now: float, told: str) -> None:

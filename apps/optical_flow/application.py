@@ -13,6 +13,7 @@ from agents import Failed, Refused, Robot, RobotError, Stopped, Team, request
 from agents.client.element import ElementClient
 from apps.background import stop_first
 from apps.film import ENDINGS, FilmWriter
+from apps.hull import check_hull
 from apps.optical_flow.columns import FlowColumns
 from apps.optical_flow.feed import FlowFeed
 from apps.optical_flow.plots import draw_wandering
@@ -27,7 +28,6 @@ if TYPE_CHECKING:
 
 SERVICES = ("optical-flow-navigation",)  # for the directory, when it runs as an agent
 PLOTS = (".svg", ".png")
-_SAME_HULL = 0.03  # m by which a hull may be larger than in the settings
 _AHEAD = 2.0  # s of the drive that are shown on maps
 
 
@@ -71,7 +71,8 @@ def main(
     if not (math.isfinite(seconds) and seconds >= 0.0):
         raise RobotError(f"seconds must be 0 or more, not {seconds:g}; 0 wanders for ever")
     me = team.robot(robot, having=("base", "camera"))
-    _check_hull(me, tuned)
+    hull = tuned.robot
+    check_hull(me, length_front=hull.front_m, length_rear=hull.rear_m, width=hull.width_m)
     if me.has("ptz"):
         me.ptz.look(pan=0.0, tilt=0.0, zoom=1.0)
     feed = FlowFeed(me)
@@ -266,25 +267,6 @@ def _page(port: int, record: FlowRecord, settings: FlowSettings, at_end: ExitSta
     at_end.callback(page.close)
     print(f"live page of {record.robot}: {page.url}", flush=True)
     return page
-
-
-def _check_hull(robot: Robot, settings: FlowSettings) -> None:
-    """Refuse a robot that is larger than the settings say.
-
-    Raises:
-        RobotError: It is.
-    """
-    own, size = robot.base.properties["geometry"], settings.robot
-    for what, real, told in (
-        ("length_front", float(own["length_front"]), size.front_m),
-        ("length_rear", float(own["length_rear"]), size.rear_m),
-        ("width", float(own["width"]), size.width_m),
-    ):
-        if real > told + _SAME_HULL:
-            raise RobotError(
-                f"the settings are of a robot whose {what} is {told:.2f} m, and that of {robot.name} is {real:.2f} m; "
-                "give settings of its own"
-            )
 
 
 def _settings(file: str) -> FlowSettings:

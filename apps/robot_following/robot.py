@@ -13,7 +13,7 @@ import numpy as np
 
 from agents import Robot, RobotError, Team
 from apps.background import BackgroundRequests
-from apps.docking.station import echo_points
+from apps.echoes import echo_points
 from apps.remote_vision.aiming import view_of
 from apps.robot_following.cycle import FollowingCycle
 from apps.robot_following.follower import FollowerState, FollowingStep

@@ -10,7 +10,8 @@ from hypothesis import strategies as st
 
 from apps.docking.cycle import DockingCycle, DockingHull, DockingOrders, DockingState
 from apps.docking.settings import DockingSettings
-from apps.docking.station import Floats, echo_points, find_dock, to_frame
+from apps.docking.station import Floats, find_dock, to_frame
+from apps.echoes import echo_points
 from geometry import Pose2D, Twist2D, integrate, wrap_angle
 
 SETTINGS = DockingSettings.load()

@@ -2,16 +2,13 @@
 
 import time
 from collections.abc import Iterator
-from types import SimpleNamespace
 from typing import Any, cast
 
 import pytest
 
-from agents import Robot, RobotError
+from agents import Robot
 from agents.client.readings import OtherReading
-from apps.optical_flow.application import _check_hull
 from apps.optical_flow.feed import FlowFeed, head_trouble, rear_only
-from apps.optical_flow.settings import FlowSettings
 from tests.waiting import wait_until
 
 BLACK = {"stamp": 1.0, "interval": 0.2, "bearings": [0.1], "rates": [None], "deviations": [None], "flow": [None]}
@@ -99,22 +96,6 @@ def test_images_of_a_head_that_looks_aside_show_nothing_of_what_is_ahead(robot: 
 def test_where_the_head_looks_is_judged(head: dict[str, Any], said: str) -> None:
     assert head_trouble(head).startswith(said)
     assert bool(head_trouble(head)) == bool(said)
-
-
-@pytest.mark.parametrize(
-    ("hull", "is_refused"),
-    [((0.21, 0.301, 0.425), False), ((0.369, 0.531, 0.68), True), ((0.13, 0.15, 0.28), False)],
-)
-def test_a_robot_that_is_larger_than_the_settings_say_is_refused(
-    hull: tuple[float, float, float], is_refused: bool
-) -> None:
-    size = dict(zip(("length_front", "length_rear", "width"), hull, strict=True))
-    robot = SimpleNamespace(name="max", base=SimpleNamespace(properties={"geometry": size}))
-    if is_refused:
-        with pytest.raises(RobotError, match=r"length_front is 0\.21 m, and that of max is 0\.37 m"):
-            _check_hull(cast(Robot, robot), FlowSettings.load())
-    else:
-        _check_hull(cast(Robot, robot), FlowSettings.load())
 
 
 @pytest.mark.parametrize(
