@@ -98,6 +98,7 @@ def _run(arguments: argparse.Namespace) -> int:
         require("acromovi up --console", "console")
     keys = folder_of_keys(arguments.bus, team.name, [robot.name for robot in team.robots])
     choices = TeamOptions(arguments.bus, arguments.seed, tuple(arguments.apps), keys, arguments.console)
+    # A process that is just ending may still write there; what is left of the folder does no harm.
     with tempfile.TemporaryDirectory(prefix=FOLDER, ignore_cleanup_errors=True) as folder:
         try:
             return asyncio.run(_hold(team, choices, Path(folder), arguments))

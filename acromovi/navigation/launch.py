@@ -58,6 +58,7 @@ def _run(arguments: argparse.Namespace) -> int:
 
     robot_name(arguments.robot)
     chosen = of_names(processes(arguments), arguments.only)
+    # A process that is just ending may still write there; what is left of the folder does no harm.
     with tempfile.TemporaryDirectory(prefix=FOLDER, ignore_cleanup_errors=True) as folder:
         try:
             return asyncio.run(_hold(arguments, chosen, Path(folder)))

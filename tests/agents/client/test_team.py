@@ -362,6 +362,23 @@ class Silent(Agent):
         await asyncio.sleep(3600.0)
 
 
+@contextmanager
+def under_way(team: Team, call: Callable[[], object]) -> Iterator[None]:
+    """A call of the program lasts as long as a block."""
+
+    def run() -> None:
+        with suppress(Stopped):  # that ends it, below
+            call()
+
+    calling = threading.Thread(target=run)
+    calling.start()
+    try:
+        yield
+    finally:
+        team._thread.stop("enough")
+        calling.join()
+
+
 @pytest.mark.parametrize("wait", ["read", "ask", "watch"])
 def test_driving_ends_while_the_program_waits_for_a_reading_that_does_not_come(
     world: World, monkeypatch: pytest.MonkeyPatch, wait: str
@@ -378,18 +395,9 @@ def test_driving_ends_while_the_program_waits_for_a_reading_that_does_not_come(
             "watch": lambda: next(sonar.watch(within=3600.0)),
         }
 
-        def look() -> None:
-            with suppress(Stopped):
-                waits[wait]()
-
         happy.base.drive(0.2)
-        looking = threading.Thread(target=look)
-        looking.start()
-        try:
+        with under_way(team, waits[wait]):
             wait_until(lambda: wheels.velocities[-1:] == [(0.0, 0.0)])
-        finally:
-            team._thread.stop("enough")
-            looking.join()
 
 
 def test_driving_goes_on_while_readings_come(world: World, team: Team) -> None:
@@ -415,19 +423,10 @@ def test_driving_goes_on_while_the_program_sleeps_or_moves_something(
             "move": lambda: grumpy.base.move(99.0),
         }
 
-        def rest() -> None:
-            with suppress(Stopped):
-                waits[wait]()
-
-        resting = threading.Thread(target=rest)
-        resting.start()
-        team.robot("happy").base.drive(0.2)
-        try:
+        with under_way(team, waits[wait]):
+            team.robot("happy").base.drive(0.2)
             wait_until(lambda: len(wheels.velocities) >= 10)
             assert set(wheels.velocities) == {(0.2, 0.0)}
-        finally:
-            team._thread.stop("enough")
-            resting.join()
 
 
 class Gateway:
