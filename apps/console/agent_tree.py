@@ -26,7 +26,8 @@ def tree_of(
     words = search.split()
     sites: dict[str, list[dict[str, Any]]] = {}
     for report in reports:
-        listed = [agents[str(row.name)] for row in report.agents if str(row.name) in agents]
+        known = [agents[str(row.name)] for row in report.agents if str(row.name) in agents]
+        listed = [each for each in known if each.container == report.container]  # one that moves may be in two reports
         rows = [_agent_row(each) for each in sorted(listed, key=lambda each: each.name) if has_words(each, words)]
         if rows or not words:
             about = f"process {report.process} on {report.host}"

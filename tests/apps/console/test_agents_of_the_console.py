@@ -59,6 +59,13 @@ def test_the_tree_has_sites_containers_and_agents_and_names_a_container_that_doe
     assert tree[0]["containers"][0]["agents"][0]["properties"] == {"colour": "red", "wheels": "2"}
 
 
+def test_an_agent_that_moves_and_is_in_two_reports_is_shown_once() -> None:
+    reports = [ContainerReport(HAPPY, "lab", 7, (ListedAgent(SONAR, "suspended", ""),)), REPORTS[1]]
+    tree = tree_of(reports, [], AGENTS)
+    agents = [(row["name"], each["name"]) for site in tree for row in site["containers"] for each in row["agents"]]
+    assert agents == [("max", "sonar@max")]
+
+
 @pytest.mark.parametrize(
     ("search", "names"),
     [

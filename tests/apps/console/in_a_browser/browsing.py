@@ -116,6 +116,8 @@ def drive(team: WatchedTeam, tab: ConsoleTab, key: str = "ArrowLeft", robot: str
 
 def choose(tab: ConsoleTab, agent: str) -> None:
     """Choose an agent in the tree, and wait for its form."""
+    if not tab.page.url.endswith("/agents"):
+        tab.go("/agents")
     tab.page.locator(".a-agent", has_text=agent).first.click()
     tab.page.locator(".a-title", has_text=agent).wait_for()
 

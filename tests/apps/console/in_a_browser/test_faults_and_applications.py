@@ -21,6 +21,8 @@ def test_a_fault_is_injected_and_cleared(team: WatchedTeam, tab: ConsoleTab) -> 
     tab.press("Clear all")
     tab.sees("all faults are cleared")
     assert emulator.ask("faults")["faults"] == []
+    tab.go("/timeline")
+    tab.sees("low-battery was injected")
 
 
 def test_a_robot_is_put_elsewhere_by_dragging_it_and_by_two_clicks(team: WatchedTeam, tab: ConsoleTab) -> None:
@@ -73,5 +75,4 @@ def test_an_application_is_started_with_arguments_and_stopped_and_its_output_is_
     tab.sees("stopped")
     team.stands("max")
     tab.go("/timeline")
-    tab.sees("low-battery was injected")
     tab.sees("wander was stopped")
