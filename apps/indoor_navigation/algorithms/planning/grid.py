@@ -11,18 +11,18 @@ the place. From another direction a smooth surface reflects the sound elsewhere.
 """
 
 from dataclasses import dataclass
-from math import ceil, cos, tan
-from typing import NamedTuple
+from math import ceil
 
 import numpy as np
 
 from apps.indoor_navigation.algorithms.bodies import Bodies
 from apps.indoor_navigation.algorithms.perception import Perceived
-from apps.indoor_navigation.algorithms.planning.area import NEVER, OCCUPIED, PASSABLE, PASSED, Area, Singles
+from apps.indoor_navigation.algorithms.planning.area import NEVER, OCCUPIED, PASSABLE, PASSED, Area
+from apps.indoor_navigation.algorithms.planning.believed_rays import MAX_OFFSET, BelievedRays, seams
 from apps.indoor_navigation.algorithms.planning.floor import FloorMap
 from apps.indoor_navigation.algorithms.planning.terrain import distances
-from apps.indoor_navigation.algorithms.rays import HALF_CONE, Rays
-from apps.indoor_navigation.data import Bools, Floats, Ints, ObstRead, Place, Pose
+from apps.indoor_navigation.algorithms.rays import Rays
+from apps.indoor_navigation.data import Floats, Ints, ObstRead, Place, Pose
 
 HIT = 2  # evidence that a reading adds to a cell that a ray hits; it adds PASSED where a ray passes
 SURELY_FREE = -3  # evidence of a cell that is not a wall, whatever stands there later
@@ -31,18 +31,10 @@ MARGIN = 5.0  # m that the area grows beyond the need, since each growth copies 
 TRACE_TIME, TRACE_SPEED = 2.0, 1.2  # s before a person moved somewhere, and m/s, within which it came there
 WALKER_TIME = 0.5  # s after a person was at a place during which a hit there belongs to the person
 ECHO, MAX_ECHO = 2, 6  # evidence of an echo that the laser sees through, and the most of it
-SIMILAR = 0.4  # rad between two directions from which a disc hears the same surfaces
-NARROW_CONE = 0.26  # rad beside the axis of a disc within which it hears what is there
-ECHO_DEPTH = 0.15  # m before the end of a sonar ray that are free for certain
 BESIDE_BODY = 0.2  # m about a body within which an echo is the body's
-STRIDE = 0.7  # of a cell, between two places of a ray that passes, so that no cell in its middle is left out
-SEAM_PARTS = 12  # of the seam between two hits; at most 5 cm each, the edge of a cell
-MAX_GAP = 0.04  # rad between two rays of a scan with nothing between their ends but what one of them hits
 SAME_WALL = 0.15  # m between a wall of the map and where it is seen
 WRONG_SHARE = 0.15  # of walls of the map that are not there, beside those that are; above, the map does not fit
 SURFACE_SHARE = 0.3  # of a new hit in the place of the surface in a cell with an obstacle; the rest is that before
-MAX_SEAM = 0.6  # m between two hits of one surface
-MAX_OFFSET = 1.0  # m from the robot's pose where a ray begins; it may have gone on since a sensor was read
 
 Cells = tuple[Ints, Ints]
 """Rows and columns."""
@@ -181,27 +173,30 @@ class Grid:
         scanned, sonar = perceived.rays.where(is_of_scanner), perceived.rays.where(~is_of_scanner)
         is_watched = sonar.are_watched_by(scanned)
         # Where no laser looks, sonar shows what is there and what is not.
-        rays = _BelievedRays.of(scanned.followed_by(sonar.where(~is_watched)), self._parameters, reading.pose)
+        rays = self._believed(scanned.followed_by(sonar.where(~is_watched)), reading.pose)
         part = self.area.around(reading.pose[:2], margin=margin)
         end_x, end_y = rays.end_x[rays.hits], rays.end_y[rays.hits]
         hits = self._cells(part, end_x, end_y)
         _place_surfaces(part, end_x, end_y, hits)
         votes = np.zeros(part.evidence.shape, np.int8)
         for each in (rays, rays.between):
-            votes.reshape(-1)[_passed(part, each)] = PASSED
-        votes[self._cells(part, *_seams(end_x, end_y))] = 0
+            votes.reshape(-1)[each.passed(part)] = PASSED
+        votes[self._cells(part, *seams(end_x, end_y))] = 0
         votes[hits] = HIT
         np.clip(part.evidence + votes, MIN_EVIDENCE, MAX_EVIDENCE, out=part.evidence)
         self._put_bodies(perceived.bodies, reading.stamp)
         self._date(part, hits, reading.stamp)
         self._hear(
-            _BelievedRays.of(sonar, self._parameters, reading.pose),
-            _BelievedRays.of(sonar.where(is_watched), self._parameters, reading.pose),
+            self._believed(sonar, reading.pose),
+            self._believed(sonar.where(is_watched), reading.pose),
             perceived,
             reading.stamp,
         )
         if self._has_walkers:
             self._let_go(part, reading.stamp)
+
+    def _believed(self, rays: Rays, pose: Pose) -> BelievedRays:
+        return BelievedRays.of(rays, self._parameters.reach, self._parameters.lone_reach, pose)
 
     def take_for_walls(self, x: float, y: float, radius: float) -> None:
         """Count the obstacles within a radius, m, as walls, because they have not gone away."""
@@ -265,7 +260,7 @@ class Grid:
                 part.theirs_at[is_within | is_trace] = stamp
                 part.first_hit[is_within & ~part.fixed] = PASSABLE
 
-    def _hear(self, sonar: "_BelievedRays", watched: "_BelievedRays", perceived: Perceived, stamp: float) -> None:
+    def _hear(self, sonar: BelievedRays, watched: BelievedRays, perceived: Perceived, stamp: float) -> None:
         """Update what sonar hears and the laser sees through.
 
         An echo comes from somewhere in a wide cone. Where another disc hears that a place is free, it is not there. And
@@ -300,27 +295,6 @@ class Grid:
         near.evidence[are_theirs & (stamp - near.hit_at > self._parameters.gone) & near.occupied & ~near.fixed] = 0
 
 
-def _passed(part: Area, rays: "_BelievedRays") -> Ints:
-    """Return the numbers of the cells that rays have passed; a ray that hits passes up to one cell before its end."""
-    edge = part.resolution
-    lengths = rays.lengths / edge - rays.hits
-    counts = np.maximum(np.ceil(lengths / STRIDE), 0.0).astype(np.intp)
-    # Single precision is exact to a thousandth of a cell here, and takes half the time.
-    step = np.arange(counts.sum(), dtype=np.float32)
-    step -= np.repeat((counts.cumsum() - counts).astype(np.float32), counts)
-
-    def passed(begin: Floats, each: Floats) -> Ints:
-        place = np.repeat((STRIDE * each).astype(np.float32), counts)
-        place *= step
-        place += np.repeat((begin / edge).astype(np.float32), counts)
-        return place.astype(np.intp)
-
-    rows = passed(rays.origin_y - part.y, rays.sines)
-    rows *= part.evidence.shape[1]
-    rows += passed(rays.origin_x - part.x, rays.cosines)
-    return rows
-
-
 def _place_surfaces(part: Area, x: Floats, y: Floats, cells: Cells) -> None:
     """Update where in their cells the hit surfaces are, before the evidence of the hits is added."""
     share = np.where(part.evidence[cells] >= OCCUPIED, SURFACE_SHARE, 1.0)
@@ -330,91 +304,3 @@ def _place_surfaces(part: Area, x: Floats, y: Floats, cells: Cells) -> None:
     ):
         before = surface[cells]
         surface[cells] = before + share * (found - corner - (cell + 0.5) * part.resolution - before)
-
-
-class _BelievedRays(NamedTuple):
-    origin_x: Floats
-    origin_y: Floats
-    end_x: Floats
-    end_y: Floats
-    cosines: Floats
-    sines: Floats
-    lengths: Floats
-    hits: Bools
-
-    @classmethod
-    def of(cls, rays: Rays, parameters: GridParameters, pose: Pose) -> "_BelievedRays":
-        """Return the rays from near the robot with finite coordinates, shortened to the length that is used."""
-        dx, dy = rays.end_x - rays.origin_x, rays.end_y - rays.origin_y
-        lengths = np.hypot(dx, dy)
-        sound = np.isfinite(lengths) & (lengths > 0.0)
-        sound &= np.hypot(rays.origin_x - pose[0], rays.origin_y - pose[1]) < MAX_OFFSET
-        reach = np.where(rays.is_of_scanner, parameters.reach, parameters.lone_reach)[sound]
-        dx, dy, lengths = dx[sound], dy[sound], lengths[sound]
-        return cls(
-            rays.origin_x[sound],
-            rays.origin_y[sound],
-            rays.end_x[sound],
-            rays.end_y[sound],
-            dx / lengths,
-            dy / lengths,
-            np.minimum(lengths, reach),
-            rays.hits[sound] & (lengths <= reach),
-        )
-
-    def are_explained(self, area: Area) -> Bools:
-        """Return which sonar rays end as far away as an obstacle that the laser has seen somewhere in the cone."""
-        if not len(self.lengths):
-            return np.zeros(0, np.bool_)
-        rows, columns = np.nonzero(area.evidence >= OCCUPIED)
-        x, y = area.x + (columns + 0.5) * area.resolution, area.y + (rows + 0.5) * area.resolution
-        from_x, from_y = x - self.origin_x[:, None], y - self.origin_y[:, None]
-        along = self.cosines[:, None] * from_x + self.sines[:, None] * from_y
-        away = np.hypot(from_x, from_y)
-        is_in_cone = along > cos(HALF_CONE) * away
-        return np.asarray((is_in_cone & (np.abs(away - self.lengths[:, None]) < ECHO_DEPTH)).any(axis=1))
-
-    def are_silent(self, x: Floats, y: Floats, heard_from: Floats | Singles) -> Bools:
-        """Return at which places a disc hears nothing that listens from where they were heard.
-
-        Args:
-            x, y: The places in odom, m.
-            heard_from: Directions to the discs that heard them, rad.
-        """
-        if not len(x) or not len(self.lengths):
-            return np.zeros(len(x), bool)
-        from_x, from_y = x - self.origin_x[:, None], y - self.origin_y[:, None]
-        c, s = self.cosines[:, None], self.sines[:, None]
-        along, across = c * from_x + s * from_y, np.abs(c * from_y - s * from_x)
-        is_free = (along > 0.0) & (across <= tan(NARROW_CONE) * along)
-        is_free &= np.hypot(from_x, from_y) < (self.lengths - np.where(self.hits, ECHO_DEPTH, 0.0))[:, None]
-        is_free &= np.cos(np.arctan2(-s, -c) - heard_from) > cos(SIMILAR)
-        return np.asarray(is_free.any(axis=0))
-
-    @property
-    def between(self) -> "_BelievedRays":
-        """A ray between each two of a scan, as long as the shorter one, because cells are smaller than gaps."""
-        is_one = (self.origin_x[1:] == self.origin_x[:-1]) & (self.origin_y[1:] == self.origin_y[:-1])
-        is_one &= self.cosines[1:] * self.cosines[:-1] + self.sines[1:] * self.sines[:-1] > cos(MAX_GAP)
-        first, second = np.flatnonzero(is_one), np.flatnonzero(is_one) + 1
-        cosines, sines = self.cosines[first] + self.cosines[second], self.sines[first] + self.sines[second]
-        norm = np.hypot(cosines, sines)
-        cosines, sines = cosines / norm, sines / norm
-        x, y = self.origin_x[first], self.origin_y[first]
-        lengths = np.minimum(self.lengths[first], self.lengths[second])
-        hits = self.hits[first] | self.hits[second]
-        return _BelievedRays(x, y, x + lengths * cosines, y + lengths * sines, cosines, sines, lengths, hits)
-
-
-def _seams(x: Floats, y: Floats) -> tuple[Floats, Floats]:
-    """Return places between neighbouring hits of one surface.
-
-    At a grazing angle, rays pass through cells of a wall before they hit it a few cells farther on; there they do not
-    count.
-    """
-    if len(x) < 2:
-        return x, y
-    near = np.hypot(x[1:] - x[:-1], y[1:] - y[:-1]) < MAX_SEAM
-    parts = np.linspace(0.0, 1.0, SEAM_PARTS + 1)[1:-1, None]
-    from_x, to_x, from_y, to_y = x[:-1][near], x[1:][near], y[:-1][near], y[1:][near]
-    return (from_x + parts * (to_x - from_x)).ravel(), (from_y + parts * (to_y - from_y)).ravel()
