@@ -36,8 +36,8 @@ class AvoidanceParameters:
     margin: m that always stay free. deceleration, angular_deceleration: m/s² and rad/s² that the robot reaches.
     reaction: s from a reading until the wheels begin to slow down. walker: maximum m/s at which people approach. reach:
     m within which obstacles push. push: maximum, rad/s. weight: of the push, beside goto's 1. guard_weight: of a
-    command when a turn would touch an obstacle. blind: maximum m/s where no laser looks: backward, and without a laser
-    in all directions.
+    command when a turn would touch an obstacle. blind: maximum m/s backward, where few sensors look. by_sonar: maximum
+    m/s forward without a laser. echo_age: s by which `reaction` is longer then, because the discs fire in turns.
     """
 
     margin: float
@@ -50,6 +50,8 @@ class AvoidanceParameters:
     weight: float
     guard_weight: float
     blind: float
+    by_sonar: float
+    echo_age: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -118,8 +120,8 @@ def avoid(
     coming = parameters.walker if approach is None else approach
     on, back = _ways(parameters, outline, places, apart, course)
     limit = min(
-        inf if has_laser else parameters.blind,
-        safe_speed(on, parameters.deceleration, parameters.reaction),
+        inf if has_laser else parameters.by_sonar,
+        safe_speed(on, parameters.deceleration, parameters.reaction + (0.0 if has_laser else parameters.echo_age)),
         safe_speed(_walkers_way(outline, walkers), parameters.deceleration, parameters.reaction, coming),
         _teammates_limit(parameters, outline, teammates, teammates[0] > WALKER_REAR),
     )

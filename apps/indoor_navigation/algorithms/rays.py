@@ -10,6 +10,8 @@ from apps.indoor_navigation.data import Bools, Floats, LaserRead, Pose, SonarRea
 SONAR_RANGE = 3.0  # m; an echo from farther away may be anywhere in the wide cone of the disc
 HALF_CONE = 0.45  # rad between the axis of a disc and the edge of its cone
 TAN_HALF_CONE = tan(HALF_CONE)
+TAN_SURE_CONE = tan(0.22)  # of the angle beside the axis within which a disc hears all that is there
+ECHO_RADIUS = 0.1  # m about an echo within which it is the same
 RANGE_TOLERANCE = 0.2  # m by which a disc may measure less than the laser, for the same object
 MIN_WATCHING = 2  # laser rays in the cone of a disc, above which the laser looks across it
 RAY_RADIUS = 0.02  # m from a ray within which it shows whether a place is free
@@ -109,6 +111,15 @@ class Rays:
         ahead = from_x * unit_x + from_y * unit_y
         across = np.abs(from_y * unit_x - from_x * unit_y)
         return np.asarray(((ahead > 0.0) & (ahead < length + RAY_RADIUS) & (across < RAY_RADIUS)).any(axis=1))
+
+    def are_in_cone(self, x: Floats, y: Floats) -> Bools:
+        """Return which places discs with these axes listen to; of what is behind an echo they hear nothing."""
+        from_x, from_y = x[:, None] - self.origin_x, y[:, None] - self.origin_y
+        axis = np.arctan2(self.end_y - self.origin_y, self.end_x - self.origin_x)
+        c, s = np.cos(axis), np.sin(axis)
+        is_within = np.abs(c * from_y - s * from_x) <= TAN_SURE_CONE * (c * from_x + s * from_y)
+        length = np.hypot(self.end_x - self.origin_x, self.end_y - self.origin_y)
+        return np.asarray((is_within & (np.hypot(from_x, from_y) < length + ECHO_RADIUS)).any(axis=1))
 
     def unexplained_by(self, laser: "Rays") -> "Rays":
         """Return these echoes of sonar without those that the laser explains.

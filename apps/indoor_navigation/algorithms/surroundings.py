@@ -1,7 +1,8 @@
 """Obstacles near the robot: all that is seen now, and for a while what was seen and has left the view.
 
 A scanner looks ahead. When the robot is halfway through a door, the frame is beside it, where no sensor sees it; the
-robot must not turn as if the frame were gone.
+robot must not turn as if the frame were gone. Without a scanner, the same holds for echoes between the cones of the
+discs, such as that of a table's leg beside the corner of the hull.
 """
 
 import numpy as np
@@ -46,7 +47,9 @@ class Surroundings:
         self._pose = perceived.pose, stamp
         is_of_scanner = rays.is_of_scanner
         scanned = rays.where(is_of_scanner)
-        is_sure = self._last.hits & self._is_scanned
+        has_laser = bool(len(scanned.end_x))
+        # The place of an echo is not exact; it is remembered only where there is no better sensor.
+        is_sure = self._last.hits & (self._is_scanned if has_laser else ~self._is_scanned)
         x, y = self._last.end_x[is_sure], self._last.end_y[is_sure]
         x, y = np.concatenate((self._x, x)), np.concatenate((self._y, y))
         seen_at = np.concatenate((self._seen_at, np.full(len(x) - len(self._x), stamp)))
@@ -55,13 +58,15 @@ class Surroundings:
             middle = rays.origin_x.mean(), rays.origin_y.mean()
             is_kept &= np.hypot(x - middle[0], y - middle[1]) < MEMORY_RANGE
             x, y, seen_at = x[is_kept], y[is_kept], seen_at[is_kept]
-            is_kept = ~scanned.inner(EDGE_RAYS).are_in_view(x, y)
+            is_kept = ~(scanned.inner(EDGE_RAYS).are_in_view(x, y) if has_laser else rays.are_in_cone(x, y))
         chosen = _thinned(x, y, np.flatnonzero(is_kept))[-MAX_PLACES:]
         self._x, self._y, self._seen_at = x[chosen], y[chosen], seen_at[chosen]
-        # Without echoes of remembered places: a door frame is beside the axis of a disc, not on it.
-        remembered = Rays(self._x, self._y, self._x, self._y, np.ones(len(self._x), bool))
         echoes = rays.where(~is_of_scanner & rays.hits)
-        self._last = scanned.followed_by(echoes.unexplained_by(scanned.followed_by(remembered)))
+        if has_laser:
+            # Without echoes of remembered places: a door frame is beside the axis of a disc, not on it.
+            remembered = Rays(self._x, self._y, self._x, self._y, np.ones(len(self._x), bool))
+            echoes = echoes.unexplained_by(scanned.followed_by(remembered))
+        self._last = scanned.followed_by(echoes)
         self._is_scanned, self._bodies = self._last.is_of_scanner, perceived.bodies
 
     def places(self, pose: Pose) -> tuple[Floats, Floats]:

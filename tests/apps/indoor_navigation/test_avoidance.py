@@ -254,6 +254,23 @@ def test_what_has_left_the_view_is_remembered_and_what_is_seen_through_is_not() 
     assert len(surroundings.places((0.0, 0.0, 0.0))[0]) == 0
 
 
+def listened(stamp: float, x: float, *ranges: float) -> Perceived:
+    """What two discs hear, ahead and to the left, of a robot that has driven so far."""
+    headings, zeros = np.array([0.0, pi / 2.0]), np.zeros(2)
+    echoes = SonarRead(stamp, (x, 0.0, 0.0), zeros, np.array([0.0, 0.01]), headings, np.array(ranges))
+    return Perceived(stamp, echoes.pose, Rays.of_sonar(echoes), Bodies.none())
+
+
+def test_without_a_laser_an_echo_is_remembered_between_the_cones_and_not_where_a_disc_hears_through() -> None:
+    surroundings = Surroundings()
+    surroundings.see(listened(0.0, 0.0, 5.0, 0.5))
+    surroundings.see(listened(0.1, -0.4, 5.0, 5.0))  # the leg is ahead on the left, between the two cones
+    x, y = surroundings.places((0.0, 0.0, 0.0))
+    assert np.hypot(x, y - 0.51).min() < 0.01
+    surroundings.see(listened(0.2, 0.0, 5.0, 5.0))
+    assert len(surroundings.places((0.0, 0.0, 0.0))[0]) == 0
+
+
 def test_what_was_seen_before_the_pose_jumped_is_forgotten() -> None:
     surroundings = Surroundings()
     ranges = np.full(361, 5.0)
@@ -287,3 +304,15 @@ def test_a_turn_ends_at_its_heading_and_not_beyond(start: float, wanted: float) 
 def test_nothing_is_seen_where_nothing_is() -> None:
     assert len(Rays.none().followed_by(Rays.none()).end_x) == 0
     assert len(Surroundings().places((0.0, 0.0, 0.0))[0]) == 0
+
+
+@given(ahead=st.floats(0.25, 4.0))
+def test_without_a_laser_the_robot_is_slower_the_nearer_something_is(ahead: float) -> None:
+    places = at((ahead, 0.0))
+    seen, heard = (avoid(PARAMETERS, ROBOT, places, NOWHERE, 0.3, 0.0, has_laser=each).limit for each in (True, False))
+    assert heard is not None
+    assert heard <= PARAMETERS.by_sonar
+    if seen is not None:
+        assert heard <= seen
+        # The discs fire in turns: what is ahead may be nearer than the last echo of it by that time's way.
+        assert heard * (PARAMETERS.reaction + PARAMETERS.echo_age) <= max(ahead - ROBOT.front, 0.0)

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from apps.indoor_navigation.algorithms.tracking import Speeds
 from apps.indoor_navigation.data import Floats, RobotOdometry, WorldCoord
+from apps.indoor_navigation.parameters import shipped_parameters
 from benchmarks.free_space_block import FreeSpaceBlock
 from geometry import Pose2D
 from tests.apps.indoor_navigation.closed_loop import ClosedLoop, Segments, Walker, box, corridor, door
@@ -92,7 +93,7 @@ def test_without_a_laser_it_goes_slowly() -> None:
     loop = ClosedLoop("p2dx", corridor(12.0, 3.0), laser=False)
     trace = loop.go(2.0, 0.0)
     assert not trace.touched
-    assert max(linear for linear, _ in trace.speeds) < 0.25
+    assert max(linear for linear, _ in trace.speeds) < shipped_parameters("obstacle_avoiding").avoidance.by_sonar + 0.05
 
 
 def test_it_turns_less_than_by_free_space_blocks() -> None:

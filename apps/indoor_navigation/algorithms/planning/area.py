@@ -25,9 +25,9 @@ class Area(NamedTuple):
     evidence: of the laser, and of sonar where no laser looks. first_hit: s, or NEVER, or PASSABLE. fixed: cells of
     walls: hit for some time and never free before. hit_at: s of the last hit or echo. theirs_at: s when a walking
     person was there last. echo: evidence of what sonar hears and the laser sees through. heard_from: direction of the
-    disc that heard it last, from the cell, rad. body: cells of what may be a person now. forbidden: cells that no robot
-    may enter, whatever sensors show. surface_x, surface_y: where in a cell with an obstacle its surface is, m from the
-    middle of the cell: cells are wider than the errors of a laser.
+    disc that heard it last, from the cell, rad; NaN where none did, or the laser has seen it since. body: cells of what
+    may be a person now. forbidden: cells that no robot may enter, whatever sensors show. surface_x, surface_y: where in
+    a cell with an obstacle its surface is, m from the middle of the cell: cells are wider than the errors of a laser.
     """
 
     x: float
@@ -51,10 +51,10 @@ class Area(NamedTuple):
         long_ago = np.full(evidence.shape, -np.inf)
         never = np.full(evidence.shape, NEVER)
         fixed = evidence >= OCCUPIED
-        silent, unheard = np.zeros(evidence.shape, np.int8), np.zeros(evidence.shape, np.float32)
+        silent, unheard = np.zeros(evidence.shape, np.int8), np.full(evidence.shape, np.nan, np.float32)
         nobody, allowed = np.zeros(evidence.shape, bool), np.zeros(evidence.shape, bool)
         since = long_ago, long_ago.copy()
-        middle = unheard.copy(), unheard.copy()
+        middle = np.zeros(evidence.shape, np.float32), np.zeros(evidence.shape, np.float32)
         return cls(x, y, resolution, evidence, never, fixed, *since, silent, unheard, nobody, allowed, *middle)
 
     @property

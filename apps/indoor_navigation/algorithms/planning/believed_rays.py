@@ -1,6 +1,6 @@
 """Rays as the grid uses them: only near the robot and not too long, with the cells that they pass."""
 
-from math import cos, tan
+from math import cos, sin, tan
 from typing import NamedTuple
 
 import numpy as np
@@ -61,8 +61,29 @@ class BelievedRays(NamedTuple):
             rays.hits[sound] & (lengths <= reaches),
         )
 
+    @property
+    def to_origins(self) -> Floats:
+        """Directions from the ends to the origins, rad."""
+        return np.asarray(np.arctan2(-self.sines, -self.cosines))
+
+    def chosen(self, which: Bools) -> "BelievedRays":
+        """Return the flagged rays."""
+        return BelievedRays._make(each[which] for each in self)
+
+    def turned(self, angle: float, shorter: float) -> "BelievedRays":
+        """Return the rays turned about their origins, rad, those with a hit also by some m shorter."""
+        c, s = cos(angle), sin(angle)
+        cosines, sines = c * self.cosines - s * self.sines, s * self.cosines + c * self.sines
+        lengths = np.maximum(self.lengths - np.where(self.hits, shorter, 0.0), 0.0)
+        x, y = self.origin_x + lengths * cosines, self.origin_y + lengths * sines
+        return BelievedRays(self.origin_x, self.origin_y, x, y, cosines, sines, lengths, self.hits)
+
     def passed(self, part: Area) -> Ints:
         """Return the numbers of the cells that rays have passed; one that hits passes up to a cell before its end."""
+        return self.passed_by(part)[0]
+
+    def passed_by(self, part: Area) -> tuple[Ints, Ints]:
+        """Return the same, and for each cell the number of the ray."""
         edge = part.resolution
         lengths = self.lengths / edge - self.hits
         counts = np.maximum(np.ceil(lengths / STRIDE), 0.0).astype(np.intp)
@@ -79,7 +100,7 @@ class BelievedRays(NamedTuple):
         rows = along(self.origin_y - part.y, self.sines)
         rows *= part.evidence.shape[1]
         rows += along(self.origin_x - part.x, self.cosines)
-        return rows
+        return rows, np.repeat(np.arange(len(counts)), counts)
 
     def are_explained(self, area: Area) -> Bools:
         """Return which sonar rays end as far away as an obstacle that the laser has seen somewhere in the cone."""

@@ -20,6 +20,7 @@ from apps.indoor_navigation.algorithms.perception import Perceived
 from apps.indoor_navigation.algorithms.planning.area import NEVER, OCCUPIED, PASSABLE, PASSED, Area
 from apps.indoor_navigation.algorithms.planning.believed_rays import MAX_OFFSET, BelievedRays, seams
 from apps.indoor_navigation.algorithms.planning.floor import FloorMap
+from apps.indoor_navigation.algorithms.planning.lone_sonar import echoes, free_cells
 from apps.indoor_navigation.algorithms.planning.terrain import distances
 from apps.indoor_navigation.algorithms.rays import Rays
 from apps.indoor_navigation.data import Floats, Ints, ObstRead, Place, Pose
@@ -31,6 +32,7 @@ MARGIN = 5.0  # m that the area grows beyond the need, since each growth copies 
 TRACE_TIME, TRACE_SPEED = 2.0, 1.2  # s before a person moved somewhere, and m/s, within which it came there
 WALKER_TIME = 0.5  # s after a person was at a place during which a hit there belongs to the person
 ECHO, MAX_ECHO = 2, 6  # evidence of an echo that the laser sees through, and the most of it
+STEP_ASIDE, STANDING_TIME = 0.4, 15.0  # m and s from where and when somebody walked, to an echo that is theirs
 BESIDE_BODY = 0.2  # m about a body within which an echo is the body's
 SAME_WALL = 0.15  # m between a wall of the map and where it is seen
 WRONG_SHARE = 0.15  # of walls of the map that are not there, beside those that are; above, the map does not fit
@@ -156,7 +158,7 @@ class Grid:
             np.pad(area.hit_at, pad, constant_values=-np.inf),
             np.pad(area.theirs_at, pad, constant_values=-np.inf),
             np.pad(area.echo, pad),
-            np.pad(area.heard_from, pad),
+            np.pad(area.heard_from, pad, constant_values=np.nan),
             np.pad(area.body, pad),
             np.pad(area.forbidden, pad),
             np.pad(area.surface_x, pad),
@@ -172,13 +174,22 @@ class Grid:
         is_of_scanner = perceived.rays.is_of_scanner
         scanned, sonar = perceived.rays.where(is_of_scanner), perceived.rays.where(~is_of_scanner)
         is_watched = sonar.are_watched_by(scanned)
-        # Where no laser looks, sonar shows what is there and what is not.
-        rays = self._believed(scanned.followed_by(sonar.where(~is_watched)), reading.pose)
+        rays = self._believed(scanned, reading.pose)
+        lone = self._believed(sonar.where(~is_watched), reading.pose)
         part = self.area.around(reading.pose[:2], margin=margin)
         end_x, end_y = rays.end_x[rays.hits], rays.end_y[rays.hits]
-        hits = self._cells(part, end_x, end_y)
-        _place_surfaces(part, end_x, end_y, hits)
+        seen = self._cells(part, end_x, end_y)
+        part.heard_from[seen] = np.where(part.echo[seen] == 0, np.nan, part.heard_from[seen])
+        echo_x, echo_y, directions = echoes(part, lone)
+        heard = self._cells(part, echo_x, echo_y)
+        part.heard_from[heard] = directions
+        if len(rays.lengths):  # a robot that has a laser turns to look; it may be a person
+            is_new = np.isnan(part.first_hit[heard])
+            part.first_hit[heard] = np.where(is_new, PASSABLE, part.first_hit[heard])
+        hits = np.append(seen[0], heard[0]), np.append(seen[1], heard[1])
+        _place_surfaces(part, np.append(end_x, echo_x), np.append(end_y, echo_y), hits)
         votes = np.zeros(part.evidence.shape, np.int8)
+        votes.reshape(-1)[free_cells(part, lone)] = PASSED
         for each in (rays, rays.between):
             votes.reshape(-1)[each.passed(part)] = PASSED
         votes[self._cells(part, *seams(end_x, end_y))] = 0
@@ -284,10 +295,18 @@ class Grid:
         apart = np.hypot(x[:, None] - bodies.x, y[:, None] - bodies.y) - bodies.radius
         is_there = (apart.min(axis=1, initial=np.inf) > BESIDE_BODY) & ~sonar.are_silent(x, y, directions)
         is_there &= ~watched.are_explained(near)[hits]
+        if self._has_walkers:
+            was_walked = [self._was_walked(each_x, each_y, stamp) for each_x, each_y in zip(x, y, strict=True)]
+            is_there &= ~np.array(was_walked, np.bool_)
         for each_x, each_y, direction in zip(x[is_there], y[is_there], directions[is_there], strict=True):
             row, column = self.area.cell(each_x, each_y)
             self.area.echo[row, column] = min(self.area.echo[row, column] + ECHO, MAX_ECHO)
             self.area.heard_from[row, column], self.area.hit_at[row, column] = direction, stamp
+
+    def _was_walked(self, x: float, y: float, stamp: float) -> bool:
+        """Return whether somebody has walked beside a place lately, who may stand there now."""
+        part = self.area.around((x, y), margin=STEP_ASIDE)
+        return bool((stamp - part.theirs_at < STANDING_TIME).any())
 
     def _let_go(self, near: Area, stamp: float) -> None:
         """Remove walking people who are out of view."""

@@ -1,0 +1,144 @@
+"""What a robot learns of the floor by sonar alone: discs that measure the nearest thing in a cone of 30 degrees."""
+
+from math import hypot, inf, pi
+
+import numpy as np
+import pytest
+
+from apps.indoor_navigation.algorithms.planning.grid import Grid
+from apps.indoor_navigation.data import ObstRead, Pose
+from apps.indoor_navigation.parameters import shipped_parameters
+
+PARAMETERS = shipped_parameters("path_planning").mission.guide.memory.grid
+DISCS = np.radians([-90.0, -50.0, -30.0, -10.0, 10.0, 30.0, 50.0, 90.0])
+CONE = np.radians(np.linspace(-15.0, 15.0, 13))
+RADIUS = 0.15  # m from the middle of the robot to a disc
+LONGEST = 3.0  # m
+
+Wall = tuple[float, float, float, float]
+# A wall 0.9 m ahead, with a door 0.9 m wide in its middle.
+DOOR: tuple[Wall, ...] = ((0.9, -2.0, 0.9, -0.45), (0.9, 0.45, 0.9, 2.0))
+JAMBS = (0.9, -0.47), (0.9, 0.47)
+
+
+def measured(x: float, y: float, directions: np.ndarray, walls: tuple[Wall, ...]) -> float:
+    """The distance to the nearest wall along rays from a place; infinity where there is none."""
+    nearest = inf
+    for x1, y1, x2, y2 in walls:
+        dx, dy = x2 - x1, y2 - y1
+        for direction in directions:
+            c, s = np.cos(direction), np.sin(direction)
+            across = c * dy - s * dx
+            if abs(across) < 1e-9:
+                continue
+            away = ((x1 - x) * dy - (y1 - y) * dx) / across
+            part = ((x1 - x) * s - (y1 - y) * c) / across
+            if away > 0.0 and 0.0 <= part <= 1.0:
+                nearest = min(nearest, away)
+    return nearest
+
+
+def heard(pose: Pose, walls: tuple[Wall, ...], stamp: float = 0.0, discs: np.ndarray = DISCS) -> ObstRead:
+    """A reading of all discs of a robot at a pose."""
+    directions = pose[2] + discs
+    x, y = pose[0] + RADIUS * np.cos(directions), pose[1] + RADIUS * np.sin(directions)
+    ranges = np.array([measured(*each[:2], each[2] + CONE, walls) for each in zip(x, y, directions, strict=True)])
+    lengths = np.minimum(ranges, LONGEST)
+    return ObstRead(
+        stamp,
+        pose,
+        None,
+        0.0,
+        x,
+        y,
+        x + lengths * np.cos(directions),
+        y + lengths * np.sin(directions),
+        (ranges < LONGEST).astype(float),
+        False,
+    )
+
+
+def obstacles(grid: Grid) -> list[tuple[float, float]]:
+    area = grid.area
+    rows, columns = np.nonzero(area.occupied)
+    return [area.place(row, column) for row, column in zip(rows.tolist(), columns.tolist(), strict=True)]
+
+
+def width_of_door(grid: Grid) -> float:
+    """The free width of the door about its middle, m: of what is near the wall, on either side."""
+    beside = [y for x, y in obstacles(grid) if 0.6 < x < 1.1]
+    return min((y for y in beside if y > 0.0), default=inf) - max((y for y in beside if y < 0.0), default=-inf)
+
+
+@pytest.mark.parametrize("sense", [1, -1])
+def test_a_robot_that_turns_before_a_door_hears_it_open(sense: int) -> None:
+    grid = Grid(PARAMETERS)
+    for number, heading in enumerate(np.linspace(-1.2, 1.2, 60)):
+        grid.see(heard((0.0, 0.0, sense * heading), DOOR, number * 0.1))
+    assert width_of_door(grid) > 0.6
+    for jamb in JAMBS:
+        assert min(hypot(x - jamb[0], y - jamb[1]) for x, y in obstacles(grid)) < 0.2
+
+
+def test_the_cone_before_an_echo_is_free_beside_the_axis_too() -> None:
+    grid = Grid(PARAMETERS)
+    grid.see(heard((0.0, 0.0, 0.0), ((0.9, -2.0, 0.9, 2.0),)))
+    for angle in np.radians(np.arange(-55.0, 56.0, 2.5)):
+        row, column = grid.area.cell(0.6 * np.cos(angle), 0.6 * np.sin(angle))
+        assert not grid.area.unknown[row, column]
+
+
+def test_a_wall_stays_where_a_disc_that_looks_along_it_hears_nothing() -> None:
+    grid, wall, disc = Grid(PARAMETERS), ((0.7, -2.0, 0.7, 2.0),), np.zeros(1)
+    for _ in range(10):
+        grid.see(heard((0.0, 0.0, 0.0), wall))
+    before = [(x, y) for x, y in obstacles(grid) if abs(y) < 0.3]  # heard from straight ahead
+    assert before
+    slant = np.radians(65.0)  # a smooth wall reflects the sound elsewhere
+    for x, y in before:
+        for _ in range(10):
+            grid.see(heard((x - 0.6 * np.cos(slant), y - 0.6 * np.sin(slant), slant), (), discs=disc))
+    assert set(before) <= set(obstacles(grid))
+
+
+def test_what_has_gone_is_forgotten_when_a_disc_listens_from_the_same_side() -> None:
+    grid, box = Grid(PARAMETERS), ((0.7, -0.2, 0.7, 0.2),)
+    for _ in range(10):
+        grid.see(heard((0.0, 0.0, 0.0), box))
+    assert obstacles(grid)
+    for _ in range(10):
+        grid.see(heard((0.0, 0.0, 0.0), ()))
+    assert not obstacles(grid)
+
+
+def with_a_laser(reading: ObstRead) -> ObstRead:
+    """The same reading with a laser that looks the other way, into the open."""
+    angles = pi + np.linspace(-1.0, 1.0, 60)
+
+    def after(rays: np.ndarray, others: np.ndarray) -> np.ndarray:
+        return np.concatenate((rays, others))
+
+    return ObstRead(
+        reading.stamp,
+        reading.pose,
+        None,
+        0.0,
+        after(np.zeros(60), reading.origin_x),
+        after(np.zeros(60), reading.origin_y),
+        after(7.0 * np.cos(angles), reading.end_x),
+        after(7.0 * np.sin(angles), reading.end_y),
+        after(np.zeros(60), reading.hits),
+        False,
+    )
+
+
+@pytest.mark.parametrize("has_laser", [True, False])
+def test_what_is_heard_beside_a_laser_may_be_a_person_and_without_one_it_is_a_wall(has_laser: bool) -> None:
+    grid, box = Grid(PARAMETERS), ((0.7, -0.2, 0.7, 0.2),)
+    for stamp in np.arange(0.0, 5.0, 0.2):
+        reading = heard((0.0, 0.0, 0.0), box, stamp)
+        grid.see(with_a_laser(reading) if has_laser else reading)
+    area = grid.area
+    assert area.occupied.any()
+    assert bool(area.walls.any()) != has_laser
+    assert bool(area.staying.any()) != has_laser
