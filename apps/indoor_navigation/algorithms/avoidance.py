@@ -7,6 +7,7 @@ import numpy as np
 
 from apps.indoor_navigation.algorithms.braking import safe_speed
 from apps.indoor_navigation.algorithms.outline import Outline
+from apps.indoor_navigation.algorithms.rays import SURE_CONE
 from apps.indoor_navigation.algorithms.teammates import NOBODY, Closing
 from apps.indoor_navigation.data import Bools, Floats
 
@@ -133,6 +134,8 @@ def avoid(
     rolls = linear * parameters.reaction + linear * abs(linear) / (2.0 * parameters.deceleration)
     near = _within_sweep(parameters, outline, places, rolls)
     turns = _turns(parameters, outline, near, linear, rolls)
+    if not has_laser:  # the cone of a disc must not have passed a place before the disc fires again
+        turns = [min(each, SURE_CONE / parameters.echo_age) for each in turns]
     told = [each if isfinite(each) else None for each in (limit, limit_back, *turns)]
     is_held = abs(linear) < STANDING and turned != 0.0 and turns[turned < 0.0] < MIN_TURN
     if is_held and (creep := _to_more_room(outline, *near, limit)):

@@ -10,7 +10,8 @@ from apps.indoor_navigation.data import Bools, Floats, LaserRead, Pose, SonarRea
 SONAR_RANGE = 3.0  # m; an echo from farther away may be anywhere in the wide cone of the disc
 HALF_CONE = 0.45  # rad between the axis of a disc and the edge of its cone
 TAN_HALF_CONE = tan(HALF_CONE)
-TAN_SURE_CONE = tan(0.22)  # of the angle beside the axis within which a disc hears all that is there
+SURE_CONE = 0.22  # rad beside the axis of a disc within which it hears all that is there
+TAN_SURE_CONE = tan(SURE_CONE)
 ECHO_RADIUS = 0.1  # m about an echo within which it is the same
 RANGE_TOLERANCE = 0.2  # m by which a disc may measure less than the laser, for the same object
 MIN_WATCHING = 2  # laser rays in the cone of a disc, above which the laser looks across it

@@ -316,3 +316,11 @@ def test_without_a_laser_the_robot_is_slower_the_nearer_something_is(ahead: floa
         assert heard <= seen
         # The discs fire in turns: what is ahead may be nearer than the last echo of it by that time's way.
         assert heard * (PARAMETERS.reaction + PARAMETERS.echo_age) <= max(ahead - ROBOT.front, 0.0)
+
+
+def test_without_a_laser_the_robot_turns_no_faster_than_its_discs_listen() -> None:
+    push = avoid(PARAMETERS, ROBOT, NOWHERE, NOWHERE, 0.3, 0.0, has_laser=False)
+    assert push.left is not None
+    assert push.left == push.right
+    assert push.left * PARAMETERS.echo_age < 0.25  # rad; half a cone
+    assert avoid(PARAMETERS, ROBOT, NOWHERE, NOWHERE, 0.3, 0.0).left is None
