@@ -32,7 +32,6 @@ MARGIN = 5.0  # m that the area grows beyond the need, since each growth copies 
 TRACE_TIME, TRACE_SPEED = 2.0, 1.2  # s before a person moved somewhere, and m/s, within which it came there
 WALKER_TIME = 0.5  # s after a person was at a place during which a hit there belongs to the person
 ECHO, MAX_ECHO = 2, 6  # evidence of an echo that the laser sees through, and the most of it
-STEP_ASIDE, STANDING_TIME = 0.4, 15.0  # m and s from where and when somebody walked, to an echo that is theirs
 BESIDE_BODY = 0.2  # m about a body within which an echo is the body's
 SAME_WALL = 0.15  # m between a wall of the map and where it is seen
 WRONG_SHARE = 0.15  # of walls of the map that are not there, beside those that are; above, the map does not fit
@@ -183,9 +182,6 @@ class Grid:
         echo_x, echo_y, directions = echoes(part, lone)
         heard = self._cells(part, echo_x, echo_y)
         part.heard_from[heard] = directions
-        if len(rays.lengths):  # a robot that has a laser turns to look; it may be a person
-            is_new = np.isnan(part.first_hit[heard])
-            part.first_hit[heard] = np.where(is_new, PASSABLE, part.first_hit[heard])
         hits = np.append(seen[0], heard[0]), np.append(seen[1], heard[1])
         _place_surfaces(part, np.append(end_x, echo_x), np.append(end_y, echo_y), hits)
         votes = np.zeros(part.evidence.shape, np.int8)
@@ -295,18 +291,10 @@ class Grid:
         apart = np.hypot(x[:, None] - bodies.x, y[:, None] - bodies.y) - bodies.radius
         is_there = (apart.min(axis=1, initial=np.inf) > BESIDE_BODY) & ~sonar.are_silent(x, y, directions)
         is_there &= ~watched.are_explained(near)[hits]
-        if self._has_walkers:
-            was_walked = [self._was_walked(each_x, each_y, stamp) for each_x, each_y in zip(x, y, strict=True)]
-            is_there &= ~np.array(was_walked, np.bool_)
         for each_x, each_y, direction in zip(x[is_there], y[is_there], directions[is_there], strict=True):
             row, column = self.area.cell(each_x, each_y)
             self.area.echo[row, column] = min(self.area.echo[row, column] + ECHO, MAX_ECHO)
             self.area.heard_from[row, column], self.area.hit_at[row, column] = direction, stamp
-
-    def _was_walked(self, x: float, y: float, stamp: float) -> bool:
-        """Return whether somebody has walked beside a place lately, who may stand there now."""
-        part = self.area.around((x, y), margin=STEP_ASIDE)
-        return bool((stamp - part.theirs_at < STANDING_TIME).any())
 
     def _let_go(self, near: Area, stamp: float) -> None:
         """Remove walking people who are out of view."""

@@ -274,15 +274,6 @@ def test_an_echo_of_a_body_is_no_pane() -> None:
     assert not occupied(grid, 0.75, 0.05)
 
 
-def test_an_echo_where_somebody_has_just_walked_is_no_pane() -> None:
-    grid = Grid(PARAMETERS)
-    grid.see(with_body(reading((1.15, 0.05, True), stamp=1.0), 1.15, 0.05, moved=True))
-    grid.see(heard(0.85, stamp=3.0))
-    assert not occupied(grid, 0.85, 0.05)
-    grid.see(heard(0.85, stamp=30.0))
-    assert occupied(grid, 0.85, 0.05)
-
-
 def test_where_no_laser_looks_sonar_shows_what_is_there_and_what_has_gone() -> None:
     grid = Grid(PARAMETERS)
     ends, origins = np.array([-0.85, -3.0]), np.zeros(2)

@@ -1,6 +1,6 @@
 """What a robot learns of the floor by sonar alone: discs that measure the nearest thing in a cone of 30 degrees."""
 
-from math import hypot, inf, pi
+from math import hypot, inf
 
 import numpy as np
 import pytest
@@ -109,36 +109,3 @@ def test_what_has_gone_is_forgotten_when_a_disc_listens_from_the_same_side() -> 
     for _ in range(10):
         grid.see(heard((0.0, 0.0, 0.0), ()))
     assert not obstacles(grid)
-
-
-def with_a_laser(reading: ObstRead) -> ObstRead:
-    """The same reading with a laser that looks the other way, into the open."""
-    angles = pi + np.linspace(-1.0, 1.0, 60)
-
-    def after(rays: np.ndarray, others: np.ndarray) -> np.ndarray:
-        return np.concatenate((rays, others))
-
-    return ObstRead(
-        reading.stamp,
-        reading.pose,
-        None,
-        0.0,
-        after(np.zeros(60), reading.origin_x),
-        after(np.zeros(60), reading.origin_y),
-        after(7.0 * np.cos(angles), reading.end_x),
-        after(7.0 * np.sin(angles), reading.end_y),
-        after(np.zeros(60), reading.hits),
-        False,
-    )
-
-
-@pytest.mark.parametrize("has_laser", [True, False])
-def test_what_is_heard_beside_a_laser_may_be_a_person_and_without_one_it_is_a_wall(has_laser: bool) -> None:
-    grid, box = Grid(PARAMETERS), ((0.7, -0.2, 0.7, 0.2),)
-    for stamp in np.arange(0.0, 5.0, 0.2):
-        reading = heard((0.0, 0.0, 0.0), box, stamp)
-        grid.see(with_a_laser(reading) if has_laser else reading)
-    area = grid.area
-    assert area.occupied.any()
-    assert bool(area.walls.any()) != has_laser
-    assert bool(area.staying.any()) != has_laser
