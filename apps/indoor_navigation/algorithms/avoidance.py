@@ -37,8 +37,9 @@ class AvoidanceParameters:
     margin: m that always stay free. deceleration, angular_deceleration: m/s² and rad/s² that the robot reaches.
     reaction: s from a reading until the wheels begin to slow down. walker: maximum m/s at which people approach. reach:
     m within which obstacles push. push: maximum, rad/s. weight: of the push, beside goto's 1. guard_weight: of a
-    command when a turn would touch an obstacle. blind: maximum m/s backward, where few sensors look. by_sonar: maximum
-    m/s forward without a laser. echo_age: s by which `reaction` is longer then, because the discs fire in turns.
+    command when a turn would touch an obstacle. blind: maximum m/s backward, where few sensors look, and forward after
+    the laser has failed. by_sonar: maximum m/s forward of a robot that has none. echo_age: s by which `reaction` is
+    longer without a laser, because the discs fire in turns.
     """
 
     margin: float
@@ -99,6 +100,7 @@ def avoid(
     approach: float | None = None,
     turned: float = 0.0,
     has_laser: bool = True,
+    had_laser: bool = False,
     teammates: Closing = NOBODY,
 ) -> Push:
     """Return the command that keeps the robot clear of obstacles.
@@ -113,6 +115,7 @@ def avoid(
         approach: Speed at which walkers approach, m/s; the maximum by default.
         turned: The side of the last turn, 1 or -1; 0 without a recent turn.
         has_laser: Whether the laser works; sonar alone misses surfaces that deflect sound, so the speed is limited.
+        had_laser: Whether a scan has ever come: then the laser has failed if it does not work.
         teammates: Robots of the team that come nearer.
     """
     places = outline.outside(places)
@@ -121,7 +124,7 @@ def avoid(
     coming = parameters.walker if approach is None else approach
     on, back = _ways(parameters, outline, places, apart, course)
     limit = min(
-        inf if has_laser else parameters.by_sonar,
+        inf if has_laser else parameters.blind if had_laser else parameters.by_sonar,
         safe_speed(on, parameters.deceleration, parameters.reaction + (0.0 if has_laser else parameters.echo_age)),
         safe_speed(_walkers_way(outline, walkers), parameters.deceleration, parameters.reaction, coming),
         _teammates_limit(parameters, outline, teammates, teammates[0] > WALKER_REAR),

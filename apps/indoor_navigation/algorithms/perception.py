@@ -59,11 +59,13 @@ class Perceived:
 class Perception:
     """Collects the readings of both sensors; ignores a sensor that is silent or stuck.
 
-    moved: places in odom where the newest scan shows something that moved.
+    moved: places in odom where the newest scan shows something that moved. had_laser: whether a scan has ever come; it
+    is not forgotten.
     """
 
     def __init__(self, parameters: PerceptionParameters) -> None:
         self._parameters = parameters
+        self.had_laser = False
         self.forget()
 
     def forget(self) -> None:
@@ -81,6 +83,7 @@ class Perception:
             self.forget()
         if isinstance(reading, LaserRead):
             self._laser.take(reading)
+            self.had_laser = True
             self.moved = self._motion.look(reading)
             self._tracker.see(reading, self.moved)
             self._scanned = Rays.of_laser(reading, self._parameters.rays)

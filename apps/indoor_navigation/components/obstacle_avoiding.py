@@ -126,6 +126,7 @@ class ObstacleAvoiding(Embodied):
             approach=self._walkers.approach(pose[:2], self._avoidance.walker),
             turned=self._turned if self._odometry.stamp - self._turned_at < TURN_MEMORY else 0.0,
             has_laser=self._perception.laser is not None,
+            had_laser=self._perception.had_laser,
             teammates=self._closing(),
         )
         self.push(MotionCmd(stamp, self.name.local, *astuple(push)))

@@ -324,3 +324,11 @@ def test_without_a_laser_the_robot_turns_no_faster_than_its_discs_listen() -> No
     assert push.left == push.right
     assert push.left * PARAMETERS.echo_age < 0.25  # rad; half a cone
     assert avoid(PARAMETERS, ROBOT, NOWHERE, NOWHERE, 0.3, 0.0).left is None
+
+
+def test_a_robot_whose_laser_has_failed_is_slower_than_one_that_never_had_one() -> None:
+    failed, none = (
+        avoid(PARAMETERS, ROBOT, NOWHERE, NOWHERE, 0.1, 0.0, has_laser=False, had_laser=had).limit
+        for had in (True, False)
+    )
+    assert (failed, none) == (PARAMETERS.blind, PARAMETERS.by_sonar)

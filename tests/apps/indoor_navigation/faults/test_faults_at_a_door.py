@@ -91,7 +91,7 @@ def test_a_laser_that_dies_for_good_leaves_the_sonar_which_brings_the_robot_ther
     course.run(2.0)
     before = course.pose
     course.run(1.0)
-    assert dist((before.x, before.y), (course.pose.x, course.pose.y)) <= 0.36  # m in 1 s, `by_sonar`
+    assert dist((before.x, before.y), (course.pose.x, course.pose.y)) <= 0.21
     assert is_there(course, course.wait(120.0))
 
 
