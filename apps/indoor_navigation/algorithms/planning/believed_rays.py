@@ -107,12 +107,25 @@ class BelievedRays(NamedTuple):
         if not len(self.lengths):
             return np.zeros(0, np.bool_)
         rows, columns = np.nonzero(area.evidence >= OCCUPIED)
-        x, y = area.x + (columns + 0.5) * area.resolution, area.y + (rows + 0.5) * area.resolution
+        x = np.asarray(area.x + (columns + 0.5) * area.resolution, np.float64)
+        y = np.asarray(area.y + (rows + 0.5) * area.resolution, np.float64)
+        return np.asarray(np.isfinite(self.along_echoes(x, y, HALF_CONE, ECHO_DEPTH)).any(axis=1))
+
+    def along_echoes(self, x: Floats, y: Floats, half_cone: float, depth: float) -> Floats:
+        """Return how far along each ray the places are from which its echo may come, m; -inf for the other places.
+
+        Args:
+            x, y: The n places in odom, m.
+            half_cone: rad beside the ray.
+            depth: m between the distance of a place and the length of the ray.
+        Returns:
+            Of shape (rays, n).
+        """
         from_x, from_y = x - self.origin_x[:, None], y - self.origin_y[:, None]
         along = self.cosines[:, None] * from_x + self.sines[:, None] * from_y
         away = np.hypot(from_x, from_y)
-        is_in_cone = along > cos(HALF_CONE) * away
-        return np.asarray((is_in_cone & (np.abs(away - self.lengths[:, None]) < ECHO_DEPTH)).any(axis=1))
+        fits = (along > cos(half_cone) * away) & (np.abs(away - self.lengths[:, None]) < depth)
+        return np.where(fits, along, -np.inf)
 
     def are_silent(self, x: Floats, y: Floats, heard_from: Floats | Singles) -> Bools:
         """Return at which places a disc hears nothing that listens from where they were heard.

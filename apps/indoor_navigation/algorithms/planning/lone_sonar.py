@@ -17,7 +17,7 @@ import numpy as np
 
 from apps.indoor_navigation.algorithms.planning.area import OCCUPIED, Area
 from apps.indoor_navigation.algorithms.planning.believed_rays import NARROW_CONE, SIMILAR, BelievedRays
-from apps.indoor_navigation.data import Bools, Floats, Ints
+from apps.indoor_navigation.data import Floats, Ints
 
 ASIDE = (0.07, -0.07, 0.14, -0.14)  # rad from the axis of lines in the cone that are free; at most 7 cm apart at 1 m
 FREE_BEFORE = 0.1  # m before an echo up to which these lines are free
@@ -55,15 +55,10 @@ def echoes(part: Area, sonar: BelievedRays) -> HeardPlaces:
     rows, columns = np.nonzero(part.evidence >= OCCUPIED)
     if not len(heard.lengths) or not len(rows):
         return HeardPlaces(heard.end_x, heard.end_y, heard.to_origins)
-    x = part.x + (columns + 0.5) * part.resolution + part.surface_x[rows, columns]
-    y = part.y + (rows + 0.5) * part.resolution + part.surface_y[rows, columns]
-    from_x, from_y = x - heard.origin_x[:, None], y - heard.origin_y[:, None]
-    away = np.hypot(from_x, from_y)
-    along = heard.cosines[:, None] * from_x + heard.sines[:, None] * from_y
-    fits: Bools = np.asarray(along > cos(NARROW_CONE) * away)
-    fits &= np.abs(away - heard.lengths[:, None]) < SAME_RANGE
-    nearest_axis = np.where(fits, along, -np.inf).argmax(axis=1)
-    is_known = fits.any(axis=1)
+    x = np.asarray(part.x + (columns + 0.5) * part.resolution + part.surface_x[rows, columns], np.float64)
+    y = np.asarray(part.y + (rows + 0.5) * part.resolution + part.surface_y[rows, columns], np.float64)
+    along = heard.along_echoes(x, y, NARROW_CONE, SAME_RANGE)
+    nearest_axis, is_known = along.argmax(axis=1), np.isfinite(along).any(axis=1)
     return HeardPlaces(
         np.where(is_known, x[nearest_axis], heard.end_x),
         np.where(is_known, y[nearest_axis], heard.end_y),
