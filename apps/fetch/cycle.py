@@ -82,8 +82,8 @@ class FetchCycle:
 
     def take_image(self, stamp: float, data: bytes) -> None:
         """Take a JPEG or PNG file exposed at `stamp`; the same one again is ignored."""
-        robot = self._poses.at(stamp)
-        if robot is None or stamp <= self._image_at or self._head_moves:
+        robot, earlier = self._poses.at(stamp), self._poses.at(stamp - self._settings.camera.late_s)
+        if robot is None or earlier is None or stamp <= self._image_at or self._head_moves:
             return
         try:
             pixels = Image.decode(data).pixels
@@ -96,7 +96,9 @@ class FetchCycle:
         words = ", ".join(f"{each.colour} {hypot(each.x, each.y):.2f} m" for each in found)
         self.seen = words or "nothing of the known colours"
         found = [each for each in found if not self.fetcher.is_held(each.x, each.y)]
-        self.fetcher.objects.take(stamp, robot, found, sight.view(self._tilt), covered=self.fetcher.hand.covers)
+        self.fetcher.objects.take(
+            stamp, robot, found, sight.view(self._tilt), earlier=earlier, covered=self.fetcher.hand.covers
+        )
 
     def pose(self, now: float) -> Pose2D | None:
         """Return where the robot is in odom; None without a recent reading."""

@@ -57,13 +57,22 @@ class FloorObjects:
         self.objects: list[FloorObject] = []
 
     def take(
-        self, now: float, robot: Pose2D, sightings: Sequence[ObjectSighting], view: CameraView, *, covered: bool = False
+        self,
+        now: float,
+        robot: Pose2D,
+        sightings: Sequence[ObjectSighting],
+        view: CameraView,
+        *,
+        earlier: Pose2D | None = None,
+        covered: bool = False,
     ) -> None:
         """Take the sightings of one image.
 
         Args:
-            now: s, when it was exposed.
+            now: s, when it was exposed by its stamp.
             robot: Then, in odom.
+            earlier: Where the robot was when the image was exposed, if its stamp is as late as it can be; None for an
+                exact stamp.
             sightings: In base_link.
             view: Of the camera.
             covered: The hand may cover parts of objects, so their sizes are not taken.
@@ -78,7 +87,8 @@ class FloorObjects:
                 near = FloorObject(each.colour, x, y, 1.0, each.width, each.height, 0.0, 0, 0.0, now)
                 self.objects.append(near)
             met.add(id(near))
-            self._improve(near, each, x, y, now, covered)
+            early_x, early_y = (earlier or robot).transform(each.x, each.y)
+            self._improve(near, each, (x, y), hypot(x - early_x, y - early_y), now, covered)
         for known in self.objects:
             if id(known) not in met:
                 known.missed += self._should_be_seen(known, robot, view)
@@ -154,15 +164,21 @@ class FloorObjects:
         nearest = min(same, key=lambda each: each.distance(x, y), default=None)
         return nearest if nearest is not None and nearest.distance(x, y) <= gate else None
 
-    def _improve(self, known: FloorObject, seen: ObjectSighting, x: float, y: float, now: float, covered: bool) -> None:
-        """Take a sighting into the mean, by its variance."""
+    def _improve(
+        self, known: FloorObject, seen: ObjectSighting, place: Point, doubt: float, now: float, covered: bool
+    ) -> None:
+        """Take a sighting into the mean, by its variance.
+
+        Late stamps place all images of a drive to the same side. So images that are wrong by up to `doubt`, m, move no
+        object that is known better, however many they are.
+        """
         track = self._settings.track
         away = hypot(seen.x, seen.y)
-        deviation = track.deviation_m + track.deviation_1_m * away * away
         before = known.variance + _DRIFT**2
-        share = before / (before + deviation**2)
-        known.x += share * (x - known.x)
-        known.y += share * (y - known.y)
+        error = (track.deviation_m + track.deviation_1_m * away * away) ** 2 + doubt**2
+        share = before / (before + error) if before > doubt**2 else 0.0
+        known.x += share * (place[0] - known.x)
+        known.y += share * (place[1] - known.y)
         known.variance = (1.0 - share) * before
         if not covered:
             part = max(share, _SETTLED) if known.seen else 1.0

@@ -45,6 +45,7 @@ class FetchCamera:
     forward_m: float
     height_m: float
     down_rad: float
+    late_s: float
     silent_s: float
     hidden_m: float
     range_m: float

@@ -20,9 +20,10 @@ STILL = 0.003  # rad/s; slower, a joint stands
 MOVING = 0.1  # rad/s
 
 
-@pytest.fixture(scope="module")
-def team(tmp_path_factory: pytest.TempPathFactory) -> Iterator[RunningTeam]:
-    file = tmp_path_factory.mktemp("team") / "posts.toml"
+@pytest.fixture
+def team(tmp_path: Path) -> Iterator[RunningTeam]:
+    """A team of each test's own: an application that was stopped leaves robot, arm and post where they were then."""
+    file = tmp_path / "posts.toml"
     file.write_text(next(text for text in files("fetch", "toml") if "post-lab" in text))
     with running(str(file)) as team:
         yield team

@@ -5,7 +5,7 @@ import pytest
 from apps.fetch.objects import FloorObjects
 from apps.fetch.settings import FetchSettings
 from apps.fetch.sight import CameraView, ObjectSighting
-from geometry import Pose2D
+from geometry import Pose2D, Twist2D, integrate
 
 VIEW = CameraView(0.44, 0.6)
 
@@ -26,6 +26,22 @@ def test_an_object_is_known_after_some_images_and_near_sightings_count_most() ->
         known.take(number / 10.0, Pose2D(2.0, 0.0, 0.0), [seen(1.2, 0.0)], VIEW)
     (one,) = known.known()
     assert (round(one.x, 2), round(one.y, 2)) == (3.2, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("linear", "angular"), [(0.125, 0.0), (0.0, 0.4)], ids=["of a robot that drives", "of one that turns"]
+)
+def test_images_with_late_stamps_move_no_object_that_was_seen_from_standstill(linear: float, angular: float) -> None:
+    known, late, motion = objects(), 0.2, Twist2D(linear, angular)
+    for number in range(15):
+        known.take(number / 10.0, Pose2D(), [seen(1.3, 0.0)], VIEW)
+    for number in range(12):
+        stamp = 0.4 + number / 5.0
+        exposed, taken, earliest = (integrate(Pose2D(), motion, stamp - ago) for ago in (late, 0.0, 0.3))
+        sighting = seen(*exposed.locate(1.3, 0.0))
+        known.take(1.5 + stamp, taken, [sighting], VIEW, earlier=earliest)
+    (one,) = known.known()
+    assert (one.x, one.y) == pytest.approx((1.3, 0.0), abs=0.005)
 
 
 def test_parts_of_one_object_in_an_image_make_one_object() -> None:
