@@ -3,6 +3,7 @@
 import json
 import math
 import os
+import signal
 import subprocess
 import sys
 import tomllib
@@ -10,7 +11,8 @@ from pathlib import Path
 
 import pytest
 
-from tests.acromovi.team.running import ROOT, running
+from tests.acromovi.team.running import ROOT, RunningTeam, running
+from tests.apps.on_a_team import LITTLE, stands, step
 from tests.shown import files
 from tests.waiting import end_of, wait_until
 
@@ -19,7 +21,13 @@ WIDTH, FIELD_OF_VIEW = 320, math.radians(47.5)  # of the VC-C4 at its widest zoo
 LONG = "3000"  # s; how long the test waits is decided below
 
 
-def test_the_program_of_the_page_moves_the_robot_until_its_camera_is_calibrated(tmp_path: Path) -> None:
+def drives(team: RunningTeam) -> bool:
+    return step(team, "bart") > 5 * LITTLE
+
+
+def test_the_program_of_the_page_moves_the_robot_until_its_camera_is_calibrated_also_after_a_freeze(
+    tmp_path: Path,
+) -> None:
     file, program = tmp_path / "board.toml", tmp_path / "look.py"
     file.write_text(next(text for text in files("vision", "toml") if "chessboard-lab" in text))
     program.write_text(next(text for text in files("vision", "python") if "look_about" in text))
@@ -34,6 +42,11 @@ def test_the_program_of_the_page_moves_the_robot_until_its_camera_is_calibrated(
             ) as drive,
         ):
             try:
+                wait_until(lambda: drive.poll() is not None or drives(team), "it drives")
+                drive.send_signal(signal.SIGSTOP)
+                wait_until(lambda: stands(team, "bart"), "it stands")
+                drive.send_signal(signal.SIGCONT)
+                wait_until(lambda: drive.poll() is not None or drives(team), "it drives again")
                 wait_until(
                     lambda: (calibration.poll(), drive.poll()) != (None, None), "the camera is calibrated", 150.0
                 )
