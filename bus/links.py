@@ -19,6 +19,8 @@ from typing import NamedTuple
 
 import zenoh
 
+from bus.timers import Timers
+
 SETTLED_AFTER = 1.0  # s after a loss; Zenoh needs 0.25 s to clear it away
 PORT = re.compile(r":(\d+)(?:[?#]|$)")
 OPEN_FILES = Path("/dev/fd")
@@ -63,11 +65,12 @@ def _ports(connection: socket.socket) -> tuple[int, int] | None:
 class LinkWatch:
     """Compares the opened links with those that Zenoh still knows, a moment after each loss."""
 
-    def __init__(self, info: zenoh.SessionInfo, cut: Callable[[Ends], object] = cut) -> None:
+    def __init__(self, info: zenoh.SessionInfo, timers: Timers, cut: Callable[[Ends], object] = cut) -> None:
         """Watch the links of a session.
 
         Args:
             info: Zenoh's information about the session.
+            timers: Those of the session.
             cut: Ends a link.
         """
         self._info = info
@@ -75,7 +78,8 @@ class LinkWatch:
         self._lock = threading.Lock()
         self._opened: set[Ends] = set()
         self._robbed: set[str] = set()  # peers whose transport has lost a link and continues
-        self._timer: threading.Timer | None = None
+        self._timers = timers
+        self._is_looking_later = False
         self._has_lost_more = False
         self._is_closed = False
         self._listeners = (
@@ -87,8 +91,6 @@ class LinkWatch:
         """Stop watching."""
         with self._lock:
             self._is_closed = True
-            if self._timer is not None:
-                self._timer.cancel()
 
     def look(self) -> None:
         """Cut the links that Zenoh does not know, and the other links of a transport that has lost one."""
@@ -121,18 +123,17 @@ class LinkWatch:
 
     def _look_later(self) -> None:
         """Look after a while; a later loss is followed by another look."""
-        if self._timer is None:
-            self._timer = threading.Timer(SETTLED_AFTER, self._settled)
-            self._timer.daemon = True
-            self._timer.start()
-        else:
+        if self._is_looking_later:
             self._has_lost_more = True
+        else:
+            self._is_looking_later = True
+            self._timers.call(SETTLED_AFTER, self._settled)
 
     def _settled(self) -> None:
         with self._lock:
             if self._is_closed:
                 return
-            self._timer = None
+            self._is_looking_later = False
             if self._has_lost_more:
                 self._has_lost_more = False
                 self._look_later()

@@ -37,6 +37,7 @@ from bus.loopback import LocalBus, Registration
 from bus.payload import encode_json
 from bus.scouting import Scouting
 from bus.secure import ADMITTED, Permit, Profile
+from bus.timers import Timers
 from bus.zenoh_conversation import ConversationListening, ZenohQuery
 from configs.defaults import default_bus
 from configs.loader import ConfigError
@@ -117,7 +118,8 @@ class ZenohBus(Bus):
         self._declared: set[Declared] = set()  # Zenoh withdraws a declaration without a reference
         self._met_at = time.monotonic() + (MEETING_TIME if self._has_met_elders() else LATE_MEETING_TIME)
         self._handlers = HandlerThread()
-        self._links = LinkWatch(self._session.info)
+        self._timers = Timers()
+        self._links = LinkWatch(self._session.info, self._timers)
         atexit.register(self.close)  # an open session keeps the interpreter from ending
 
     @classmethod
@@ -267,7 +269,9 @@ class ZenohBus(Bus):
         )
         self._require("query", key_expr)
         with self._usable():
-            query = ZenohQuery(self._declared, get, self._handlers, replies, self._met_at, self._has_met_elders, urgent)
+            query = ZenohQuery(
+                self._declared, get, self._handlers, self._timers, replies, self._met_at, self._has_met_elders, urgent
+            )
             get(**query.options())
         return query
 
@@ -300,6 +304,7 @@ class ZenohBus(Bus):
             if self._scouting is not None:
                 self._scouting.close()
             self._links.close()
+            self._timers.close()
             self._handlers.stop()
             try:
                 self._session.close()  # type: ignore[no-untyped-call]  # Zenoh's stub says no return type

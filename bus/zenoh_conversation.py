@@ -15,6 +15,7 @@ from bus.errors import BusUnavailable
 from bus.exchange import RawReply, Replies, Talker, reason, refusal, refusing_errors
 from bus.handler_thread import HandlerThread
 from bus.payload import decode_json, encode_json
+from bus.timers import Timers
 
 ASK_AGAIN_AFTER = 0.02  # s
 ZENOH_TIMEOUT = b"Timeout"  # Zenoh's own error reply when a program has not answered
@@ -103,6 +104,7 @@ class ZenohQuery(Listening):
         declared: set[Declared],
         get: Callable[..., object],
         handlers: HandlerThread,
+        timers: Timers,
         replies: Replies,
         met_at: float,
         has_met: Callable[[], bool],
@@ -111,6 +113,7 @@ class ZenohQuery(Listening):
         super().__init__(declared, self._take)
         self._get = get
         self._handlers = handlers
+        self._timers = timers
         self._replies = replies
         self._deadline = time.monotonic() + replies.timeout
         self._met_at = met_at
@@ -143,17 +146,12 @@ class ZenohQuery(Listening):
             case _TimedOut():
                 self._replies.time_out()
             case None if self._is_partial and time.monotonic() < self._deadline:
-                self._later(self._await_all)
+                self._timers.call(ASK_AGAIN_AFTER, self._await_all)
             case None if self._replies.is_silent and time.monotonic() < min(self._met_at, self._deadline):
-                self._later(self._send_again)
+                self._timers.call(ASK_AGAIN_AFTER, self._send_again)
             case None:
                 super().close()
                 self._replies.end()
-
-    def _later(self, act: Callable[[], None]) -> None:
-        timer = threading.Timer(ASK_AGAIN_AFTER, act)
-        timer.daemon = True
-        timer.start()
 
     def _await_all(self) -> None:
         """Send the query once more when the session has met all, or has waited long enough for them."""
@@ -162,13 +160,16 @@ class ZenohQuery(Listening):
         if self._has_met() or time.monotonic() > self._met_at:
             self._is_partial = False
             self._replies.begin_again()
-            self._later(self._send_again)  # after a moment in which those that are met tell what they serve
+            # After a moment in which those that are met tell what they serve.
+            self._timers.call(ASK_AGAIN_AFTER, self._send_again)
         elif time.monotonic() < self._deadline:
-            self._later(self._await_all)
+            self._timers.call(ASK_AGAIN_AFTER, self._await_all)
         else:
             self._hand_on(None)
 
     def _send_again(self) -> None:
+        if not self._is_open:
+            return
         if time.monotonic() > self._deadline:
             self._hand_on(None)
             return

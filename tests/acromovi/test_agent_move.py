@@ -179,7 +179,8 @@ def test_a_container_that_is_killed_after_it_has_packed_an_agent_loses_neither_i
         await asyncio.sleep(0)
         processes[here].kill()
         waited = await waits  # before the door of the one that died; it hears of that at once
-        assert (await moving)[0] == 1
+        code, _, why = await moving
+        assert code == 1, why
         gate.touch()
         async with waiting(30.0):
             while not (outcome := await console.request(peer, "serve", number=4)).is_done:

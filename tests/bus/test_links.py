@@ -12,6 +12,7 @@ import zenoh
 
 import bus.links
 from bus.links import Ends, LinkWatch, cut
+from bus.timers import Timers
 from tests.waiting import wait_until
 
 PUT, DELETE = zenoh.SampleKind.PUT, zenoh.SampleKind.DELETE
@@ -85,10 +86,12 @@ def session() -> Session:
 
 @pytest.fixture
 def watch(session: Session) -> Iterator[LinkWatch]:
-    watch = LinkWatch(cast(zenoh.SessionInfo, session), session.cut.append)
+    timers = Timers()
+    watch = LinkWatch(cast(zenoh.SessionInfo, session), timers, session.cut.append)
     session.opens(STRANGERS)
     yield watch
     watch.close()
+    timers.close()
 
 
 def test_a_link_that_is_lost_and_opened_anew_is_left_alone(session: Session, watch: LinkWatch) -> None:
