@@ -58,7 +58,7 @@ _START = 1_700_000_000.0  # s since 1970
 class CourseLoop(VirtualTimeLoop):
     """Virtual time in which work for threads is done at once."""
 
-    def run_in_executor(self, executor: Any, func: Any, *args: Any) -> Any:  # type: ignore[override]  # of any types
+    def run_in_executor(self, executor: Any, func: Any, *args: Any) -> Any:  # type: ignore[override]  # it is generic there
         """Do it now; the future is done."""
         future = self.create_future()
         future.set_result(func(*args))
@@ -189,7 +189,7 @@ class SurveillanceCourse:
     def freeze(self, name: str) -> None:
         """Have nothing come from the robot's agents any more, as when its container is frozen."""
         patrol = self._containers[name].agent(AgentName("patrol", name))
-        patrol.publish = lambda result: None  # type: ignore[method-assign]  # it is frozen
+        patrol.publish = lambda result: None  # type: ignore[method-assign]  # a frozen one tells nothing
 
     def kill_manager(self) -> None:
         """End the manager as when its program is killed."""

@@ -78,7 +78,7 @@ class PageCertificate:
 class CertifiedConnection(H11Protocol):
     """A connection of uvicorn's that tells the application who the browser is, as its certificate proves."""
 
-    def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]  # as uvicorn
+    def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]  # typed as in uvicorn
         """Note the owner. The state is the connection's own; that of uvicorn belongs to all of them."""
         super().connection_made(transport)
         connection = transport.get_extra_info("ssl_object")

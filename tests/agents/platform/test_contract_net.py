@@ -69,7 +69,7 @@ class Fair:
 
     def join(self, name: str, agent: Agent) -> None:
         container = Container(MemoryBus(self.network), name, self.reports.append, self.loop.time)
-        container.trace = self.said.append  # type: ignore[method-assign,assignment]  # heard here
+        container.trace = self.said.append  # type: ignore[method-assign,assignment]  # the test records the trace
         self.containers[name] = container
         self.loop.run_until_complete(container.start(agent))
 

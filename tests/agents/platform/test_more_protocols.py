@@ -205,7 +205,7 @@ class Market:
         self.containers = []
         for number, agent in enumerate((self.console, *agents)):
             container = Container(MemoryBus(self.network), f"c{number}", lambda report: None, loop.time)
-            container.trace = self.said.append  # type: ignore[method-assign,assignment]  # heard here
+            container.trace = self.said.append  # type: ignore[method-assign,assignment]  # the test records the trace
             self.containers.append(container)
             loop.run_until_complete(container.start(agent))
 
@@ -318,7 +318,7 @@ def test_a_broker_asks_everyone_by_property(street: Market, loop: VirtualTimeLoo
         (Wanted(service="light"), "sing", "no agent that fits can be asked for sing"),
         (Wanted(robot="doc"), "shine", "nobody has done shine: lamp@doc: refused: it is broken"),
         (Wanted(robot="d/c"), "shine", "cannot name a robot"),
-        (Wanted(properties=[1]), "shine", "properties is a JSON object"),  # type: ignore[arg-type]  # by mistake
+        (Wanted(properties=[1]), "shine", "properties is a JSON object"),  # type: ignore[arg-type]  # the mistake under test
     ],
 )
 def test_a_broker_says_why_nothing_was_done(
