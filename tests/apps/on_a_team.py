@@ -15,6 +15,19 @@ from tests.waiting import end_of, wait_until
 
 ROOT = Path(__file__).parents[2]
 STEP, LITTLE = 0.1, 0.002  # s; m in that time, which a robot that stands does not go
+# Its robot is stopped when the program is silent for 0.5 s, as it can be on a busy machine; then it drives on.
+LEADING = """
+import sys
+from agents import RobotError, Team
+
+with Team() as team:
+    base = team.robot(sys.argv[1]).base
+    while True:
+        try:
+            base.drive(0.2, seconds=60.0)
+        except RobotError:
+            team.sleep(0.1)
+"""
 
 
 @contextmanager
@@ -46,6 +59,18 @@ def application(
             yield process
         finally:
             process.kill()  # a frozen one as well: continued first, it could still drive the robot into the next test
+
+
+@contextmanager
+def leading(team: RunningTeam, robot: str) -> Iterator[None]:
+    """Let another program drive a robot straight on, at 0.2 m/s, until the block ends."""
+    environment = {**os.environ, "PYTHONPATH": str(ROOT), "ACROMOVI_BUS": team.profile}
+    with subprocess.Popen([sys.executable, "-c", LEADING, robot], env=environment) as program:
+        try:
+            yield
+        finally:
+            program.kill()
+    wait_until_stand(team, [robot])
 
 
 def step(team: RunningTeam, robot: str) -> float:

@@ -2,16 +2,15 @@
 
 import signal
 import subprocess
-import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
 
-from tests.acromovi.team.running import ROOT, RunningTeam, running
+from tests.acromovi.team.running import RunningTeam, running
 from tests.apps.film_frames import frames_of
-from tests.apps.on_a_team import LITTLE, application, step, wait_until_stand
+from tests.apps.on_a_team import LITTLE, application, leading, step, wait_until_stand
 from tests.waiting import end_of, wait_until
 
 TEAM = """\
@@ -29,7 +28,6 @@ model = "p3dx-sh"
 fit = ["camera:160x120@10", "ptz:vcc4"]
 at_m = [0.0, 0.0]
 """
-LEAD = ("-m", "acromovi", "ask", "base@happy", "drive", "linear=0.2", "seconds=60", "--timeout", "90")
 
 
 @pytest.fixture(scope="module")
@@ -50,19 +48,10 @@ def formation(team: RunningTeam, folder: Path) -> "Iterator[subprocess.Popen[str
     for robot, x in ("doc", 0.0), ("happy", 3.0):
         team.emulator().ask("pose", robot=robot, x=x, y=0.0, heading=0.0)
     words = ["formation", "leader=happy", "followers=doc", "shape=column", "poses=sight", "film=drive.gif"]
-    leader = [sys.executable, *LEAD, "--bus", team.profile]
-    with (
-        application(team, folder, words, ["doc"]) as process,
-        # What the leader's program prints, lines for people, is not what is tested.
-        subprocess.Popen(leader, cwd=ROOT, stdout=subprocess.DEVNULL) as leading,
-    ):
-        try:
-            both = ("happy", "doc")
-            wait_until(lambda: all(step(team, each) > 5 * LITTLE for each in both), "the leader is followed")
-            yield process
-        finally:
-            leading.kill()
-    wait_until_stand(team, ["happy"])
+    with application(team, folder, words, ["doc"]) as process, leading(team, "happy"):
+        both = ("happy", "doc")
+        wait_until(lambda: all(step(team, each) > 5 * LITTLE for each in both), "the leader is followed")
+        yield process
 
 
 @pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGSTOP], ids=["killed", "frozen"])

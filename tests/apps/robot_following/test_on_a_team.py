@@ -4,15 +4,14 @@ import json
 import re
 import signal
 import subprocess
-import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
 
-from tests.acromovi.team.running import ROOT, RunningTeam, running
-from tests.apps.on_a_team import application, wait_until_stand
+from tests.acromovi.team.running import RunningTeam, running
+from tests.apps.on_a_team import application, leading, wait_until_stand
 from tests.waiting import end_of, wait_until
 
 FOLLOWING = ["robot_following", "robot=happy", "settings=mine.toml"]
@@ -47,26 +46,8 @@ def team(tmp_path_factory: pytest.TempPathFactory) -> Iterator[RunningTeam]:
 def following(team: RunningTeam, folder: Path, command: str = "run") -> "Iterator[subprocess.Popen[str]]":
     """Follow a leader that another program drives."""
     (folder / "mine.toml").write_text(SETTINGS)
-    words = [
-        sys.executable,
-        "-m",
-        "acromovi",
-        "ask",
-        "base@doc",
-        "drive",
-        "linear=0.2",
-        "seconds=60",
-        "--timeout",
-        "90",
-    ]
-    # What the leader's program prints is not what is tested.
-    with subprocess.Popen([*words, "--bus", team.profile], cwd=ROOT, stdout=subprocess.DEVNULL) as leading:
-        try:
-            with application(team, folder, FOLLOWING, ["happy"], command) as process:
-                yield process
-        finally:
-            leading.kill()
-    wait_until_stand(team, ["doc"])
+    with leading(team, "doc"), application(team, folder, FOLLOWING, ["happy"], command) as process:
+        yield process
 
 
 def sees_its_leader(team: RunningTeam) -> bool:
