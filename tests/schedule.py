@@ -2,8 +2,9 @@
 
 With `--dist loadscope` a worker takes one unit after the other: the tests of a file, since they share what is started
 for them, those of a folder that shares more, those of the conformance suite for one emulated robot, or those that need
-emulated cameras. The longest units come first, so that the workers finish at the same time. With `--quick` the files
-that take long are left out.
+emulated cameras. The longest units come first, so that the workers finish at the same time. One worker takes what
+computes, so that two cores have room for the robots in real time of the others. With `--quick` the files that take long
+are left out.
 """
 
 import re
@@ -33,6 +34,12 @@ DRAWN = frozenset(
         "tests/apps/remote_vision/test_in_a_browser.py",
         "tests/apps/robot_following/test_on_a_team.py",
     )
+)
+# Tests that compute all the time. Beside several of them robots in real time are late, and their tests take up to four
+# times as long, with programs at work all that time. So one worker runs them, and then others.
+COMPUTED = re.compile(
+    r"^tests/(apps/indoor_navigation/|apps/surveillance/test_team|apps/\w+/test_lockstep|acromovi/missions/|maps/|vision/"
+    r"|agents/components/test_(arm|base|accuracy)|p2os_emu/world/)"
 )
 SITE = re.compile(r"^(pty_tests)/.*\[([a-z0-9]+(?:-sh)?(?::[a-z0-9,:]+)?(?:@\w+)?)")
 
@@ -75,6 +82,15 @@ class Units(LoadScopeScheduling):  # type: ignore[misc]  # it has no types
 
     def _split_scope(self, nodeid: str) -> str:
         return unit_of(nodeid)
+
+    def _assign_work_unit(self, node: Any) -> None:
+        """Give a worker the next unit of its kind: what computes to the first worker, all else to the others."""
+        computes = node is self.nodes[0]
+        for unit in self.workqueue:
+            if (COMPUTED.match(unit) is not None) == computes:
+                self.workqueue.move_to_end(unit, last=False)
+                break
+        super()._assign_work_unit(node)
 
 
 class Stopwatch:

@@ -11,6 +11,13 @@ from tests import schedule
 from tests.schedule import DRAWN, durations, longest_first, unit_of
 
 ROOT = Path(__file__).resolve().parents[1]
+NODEIDS = [
+    "tests/bus/test_a.py::1",
+    "tests/gateway/test_b.py::1",
+    "tests/maps/test_c.py::1",
+    "tests/vision/test_d.py::1",
+    "tests/recorder/test_e.py::1",
+]
 
 
 @pytest.mark.parametrize(
@@ -39,6 +46,36 @@ def test_the_longest_unit_comes_first_and_keeps_its_order() -> None:
     nodeids = ["a.py::1", "long.py::2", "a.py::3", "long.py::1", "longest.py::1"]
     seconds = {"long.py": 1.0, "longest.py": 3.0}
     assert longest_first(nodeids, seconds) == ["longest.py::1", "long.py::2", "long.py::1", "a.py::1", "a.py::3"]
+
+
+class Worker:
+    """A worker of pytest-xdist that runs nothing. given: what it was given to run."""
+
+    shutting_down = False
+    gateway = SimpleNamespace(id="none")
+
+    def __init__(self) -> None:
+        self.given: list[str] = []
+
+    def send_runtest_some(self, numbers: list[int]) -> None:
+        self.given += [NODEIDS[number] for number in numbers]
+
+    def shutdown(self) -> None:
+        self.shutting_down = True
+
+
+def test_one_worker_takes_what_computes_and_the_others_when_that_is_done() -> None:
+    options = SimpleNamespace(option=SimpleNamespace(), getvalue=lambda _: ["2*popen"])
+    units = schedule.Units(cast(pytest.Config, options))
+    computing, other = Worker(), Worker()
+    for worker in (computing, other):
+        units.add_node(worker)
+        units.add_node_collection(worker, NODEIDS)
+    units.schedule()
+    assert computing.given == ["tests/maps/test_c.py::1", "tests/vision/test_d.py::1"]
+    assert other.given == ["tests/bus/test_a.py::1", "tests/gateway/test_b.py::1"]
+    units.mark_test_complete(computing, NODEIDS.index("tests/maps/test_c.py::1"))
+    assert computing.given[2:] == ["tests/recorder/test_e.py::1"]
 
 
 def test_a_run_changes_what_is_said_of_its_own_files_only(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
