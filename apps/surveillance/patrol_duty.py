@@ -1,7 +1,7 @@
 """What a robot does while it serves: it visits its rooms, watches, and follows intruders, as long as it is able."""
 
 import asyncio
-from collections.abc import Callable, Coroutine, Mapping
+from collections.abc import Callable, Coroutine, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from math import dist, isfinite
@@ -10,7 +10,7 @@ from typing import Any
 from agents.components.localization.localization_tools import SensorPlaces
 from agents.platform import Agent, AgentName
 from agents.platform.directory import Directory
-from apps.surveillance.algorithms.changes import MapComparison, SeenFloor
+from apps.surveillance.algorithms.changes import MapComparison, NearRobot, SeenFloor
 from apps.surveillance.algorithms.floor import PatrolFloor
 from apps.surveillance.algorithms.intruders import WatchedThing
 from apps.surveillance.algorithms.room_plan import RoomPlan
@@ -19,7 +19,7 @@ from apps.surveillance.patrol_senses import LOCALIZATION, MOTION, PatrolSenses
 from apps.surveillance.settings import SurveillanceSettings
 from bus import Refused
 from bus.overlay import overlay
-from geometry import Point
+from geometry import Point, Pose2D
 from maps.building_map import BuildingMap
 from maps.map_files import read_building_map
 
@@ -302,14 +302,30 @@ class PatrolDuty:
             self.senses.look(False)
 
     async def _make_way(self) -> None:
-        """Drive back to where the robot came from, so that another robot gets through."""
+        """Drive to where no other robot needs to pass, so that one gets through; stay where there is no such place."""
         self._does = "makes way for another robot"
-        back = self._came_from
-        if back is not None:
+        aside = await asyncio.to_thread(self._aside, self.senses.pose, self.senses.robots())
+        if aside is not None:
             with suppress(PlaceNotReached):  # then the other one has to
-                await self._unless(lambda: self.is_on_errand, self._driver.go(lambda: back, _BACK))
+                await self._unless(lambda: self.is_on_errand, self._driver.go(lambda: aside, _BACK))
                 self.plan.has_moved()
-            await self._unless(lambda: self.is_on_errand, asyncio.sleep(_PASSING))
+        await self._unless(lambda: self.is_on_errand, asyncio.sleep(_PASSING))
+
+    def _aside(self, pose: Pose2D | None, robots: Sequence[NearRobot]) -> Point | None:
+        """Return where the robot came from, or the nearest room, to which it gets without passing another robot, m.
+
+        A robot that stands where it came from cannot go back; it may stand just where the other one wants to go.
+        """
+        if pose is None or not robots:
+            return self._came_from
+        here = pose.x, pose.y
+        other = min(((each.x, each.y) for each in robots), key=lambda place: dist(place, here))
+        rooms = sorted(self.plan.rooms.values(), key=lambda room: self._floor.length(room, here))
+        places = rooms if self._came_from is None else [self._came_from, *rooms]
+        for place in places:
+            if dist(place, here) > _BACK and self._floor.leads_away(here, place, other):
+                return place
+        return None
 
     async def _unless(self, is_over: Callable[[], bool], work: Coroutine[Any, Any, None]) -> None:
         """Do something until its end, or until there is something else to do."""

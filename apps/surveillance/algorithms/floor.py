@@ -1,7 +1,8 @@
 """The floor of a map for robots that patrol it: how long ways are, and where they lead."""
 
 from collections.abc import Sequence
-from math import ceil, hypot, inf, pi
+from itertools import pairwise
+from math import ceil, dist, hypot, inf, pi
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,7 +10,7 @@ from numpy.typing import NDArray
 from apps.indoor_navigation.algorithms.planning.area import Area
 from apps.indoor_navigation.algorithms.planning.search import find_way
 from apps.indoor_navigation.algorithms.planning.terrain import CostParameters, terrain
-from geometry import Point, Pose2D
+from geometry import Point, Pose2D, Segment
 from maps.building.frontiers import ways_from
 from maps.building_map import BuildingMap
 from maps.distance import distance_transform
@@ -24,6 +25,7 @@ _ROUNDING = 0.05  # m of clearance by which a place may be too near to a wall, b
 _SIDES = 24  # from which a target is approached
 _ASIDE = 0.5  # m from a place to the nearest one where a robot can stand
 _MOST_FIELDS = 200  # that are kept; more are places where robots were, for which nobody asks again
+_TWO_ROBOTS = 4.0  # half widths between two robots that pass each other
 _SEEN, _CLEAR = 8, -8  # evidence of walls and of free floor
 # Comfortable ways, as those of the navigation; nothing here is unknown.
 _COSTS = CostParameters(0.25, 4.0, 0.05, 20.0, 1.3, 2.0, 15.0, 10.0, 3.0, 10.0)
@@ -93,6 +95,12 @@ class PatrolFloor:
             if not (0 <= row < evidence.shape[0] and 0 <= column < evidence.shape[1]):
                 return None
         return find_way(terrain(area, self._half_width, _COSTS, robot=start), start, goal, _ASIDE / 2.0)
+
+    def leads_away(self, robot: Point, place: Point, other: Point) -> bool:
+        """Return whether a robot gets to a place (m) without passing another one, or coming nearer than it is now."""
+        way = self.way(robot, place)
+        nearest = min(dist(robot, other), _TWO_ROBOTS * self._half_width) - _ROUNDING
+        return way is not None and all(Segment(*a, *b).distance_to(*other) >= nearest for a, b in pairwise(way))
 
     def place_beside(self, target: Point, robot: Point, distance: float) -> Point:
         """Return where a robot can stand in sight of a target, some distance (m) from it, nearest to where it is now.

@@ -330,6 +330,24 @@ def test_without_a_navigation_a_robot_makes_way_for_another_one_and_drives_on_af
     assert course.manager.serving == ["happy"]
 
 
+def test_a_robot_that_stands_where_it_came_from_makes_way_into_another_room(make: Make) -> None:
+    course = make(starts={"happy": Pose2D(6.0, 1.6, 1.57)}, scan_s=0.4, navigates=False)
+    course.add_stander("stranger", Pose2D(6.3, 2.4, -1.57))  # on the way to the next room, and wants to come here
+    assert course.run_until(
+        lambda: course.manager.members["happy"].state["does"] == "makes way for another robot", 60.0
+    )
+    robot = course.robots["happy"]
+    assert course.run_until(lambda: robot.pose.x < 3.0, 30.0)
+    assert course.manager.members["happy"].state["does"] == "makes way for another robot"
+    assert course.manager.serving == ["happy"]
+
+
+def test_ways_aside_do_not_lead_past_the_other_robot() -> None:
+    robot, other = (6.0, 1.8), (5.3, 1.9)
+    assert [room for room, place in ROOMS.items() if floor().leads_away(robot, place, other)] == ["East", "Far"]
+    assert floor().leads_away(robot, ROOMS["South"], (6.0, 4.0))
+
+
 def test_without_a_navigation_a_robot_backs_off_from_what_stalls_it_and_drives_on(make: Make) -> None:
     course = make(starts={"happy": HAPPY}, scan_s=0.4, navigates=False)
     robot = course.robots["happy"]
