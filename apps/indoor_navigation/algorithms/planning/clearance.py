@@ -15,7 +15,8 @@ from apps.indoor_navigation.data import Bools, Floats
 
 DISC_RADIUS = 0.12  # m, of the discs along the edge
 OVERLAP = 0.012  # m that discs reach over the edge, so that they lack as little between each other
-DISC_SPACING = 0.14  # m; with these radii the discs lack less than 1 cm of the edge, and 2 cm of a corner
+DISC_SPACING = 0.14  # m; with these radii the discs lack less than 1 cm of the edge
+CORNER_RADIUS = 0.04  # m, of the discs in the corners, of which the others lack 2 cm; turns are barred by corners first
 
 
 class Clearance:
@@ -93,6 +94,11 @@ def _covering(outline: Outline) -> tuple[Floats, Floats, Floats]:
         along.append(from_x + parts * (to_x - from_x))
         aside.append(from_y + parts * (to_y - from_y))
     radii = [np.full(sum(map(len, along)), radius)]
+    inset = CORNER_RADIUS - OVERLAP
+    front, rear, side = outline.front - inset, -outline.rear + inset, outline.width / 2.0 - inset
+    along.append(np.array([front, rear, rear, front]))
+    aside.append(np.array([side, side, -side, -side]))
+    radii.append(np.full(4, CORNER_RADIUS))
     half = outline.width / 2.0
     inner = np.linspace(-outline.rear + half, max(outline.front - half, -outline.rear + half), 3)
     # Discs along the edge cover what is near it; discs of the whole width would be too near to both sides of a gap, by

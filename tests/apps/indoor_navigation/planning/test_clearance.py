@@ -8,6 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from apps.indoor_navigation.algorithms.outline import Outline
+from apps.indoor_navigation.algorithms.planning.clearance import _covering
 from apps.indoor_navigation.algorithms.planning.lattice import PlanSearch
 from apps.indoor_navigation.algorithms.planning.memory import Memory
 from apps.indoor_navigation.algorithms.planning.terrain import distances
@@ -57,6 +58,17 @@ def test_distances_are_right_however_many_cells_they_reach_to(reach: int) -> Non
     assert (found[~is_near] >= (reach - 1) * CELL).all()
     flat = distances(occupied, reach * CELL, CELL)
     assert flat[is_near] == pytest.approx(np.hypot(200 - columns, 2 - rows)[is_near] * CELL)
+
+
+@pytest.mark.parametrize("robot", [POWERBOT, Outline(0.21, 0.3, 0.42), Outline(0.24, 0.26, 0.5)])
+def test_the_discs_cover_the_outline_to_a_centimetre_and_its_corners_too(robot: Outline) -> None:
+    along, aside, radius = _covering(robot)
+    x, y = np.random.default_rng(1).uniform(-1.0, 1.0, (2, 8000))
+    room = (np.hypot(x[:, None] - along, y[:, None] - aside) - radius).min(axis=1)
+    distance = robot.distance(x, y)
+    is_near = (distance > 0.0) & (distance < 0.2)
+    assert is_near.sum() > 500
+    assert np.abs(room - distance)[is_near].max() < 0.013
 
 
 def rotated(lines: Floats, angle: float, shift: Floats) -> Floats:
