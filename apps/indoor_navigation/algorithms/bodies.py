@@ -12,7 +12,7 @@ being the leg of a person. They begin high, and each view from another place add
 Obstacle detecting publishes the discs, so goto, avoiding and path planning use the same ones.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import hypot
 
 import numpy as np
@@ -28,9 +28,12 @@ from apps.indoor_navigation.algorithms.body_track import (
     BodyTrack,
 )
 from apps.indoor_navigation.algorithms.legs import MAX_STRIDE, Slender, slender
+from apps.indoor_navigation.algorithms.outline import Outline
+from apps.indoor_navigation.algorithms.rays import in_robot
 from apps.indoor_navigation.algorithms.scan_view import ScanView
-from apps.indoor_navigation.data import Bools, Floats, LaserRead
+from apps.indoor_navigation.data import Bools, Floats, LaserRead, Pose
 
+LEG_RADIUS = 0.1  # m; the least disc, of what the laser has seen
 OUTLINE_ANGLES = np.linspace(-np.pi, np.pi, 12, endpoint=False)  # rad; points of the outline of a body
 
 # Following.
@@ -63,6 +66,14 @@ class Bodies:
         """Return no bodies."""
         nothing = np.empty(0)
         return cls(nothing, nothing, nothing, np.empty(0, bool))
+
+    def beside(self, outline: Outline, pose: Pose) -> "Bodies":
+        """Return smaller discs where they reach into the outline of a robot at a pose in odom, which nobody does.
+
+        The jamb of a door in which the robot stands may look like a leg, and its disc would hold the robot there.
+        """
+        room = np.maximum(outline.distance(*in_robot(pose, self.x, self.y)), LEG_RADIUS)
+        return replace(self, radius=np.minimum(self.radius, room))
 
     def outlines(self) -> tuple[Floats, Floats]:
         """Return x and y in odom of points on the outlines."""

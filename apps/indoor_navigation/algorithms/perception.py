@@ -11,6 +11,7 @@ from math import hypot
 import numpy as np
 
 from apps.indoor_navigation.algorithms.bodies import Bodies, BodyTracker
+from apps.indoor_navigation.algorithms.outline import Outline
 from apps.indoor_navigation.algorithms.pose_history import is_pose_jump
 from apps.indoor_navigation.algorithms.rays import Rays
 from apps.indoor_navigation.algorithms.walkers import Moved, ScanMotion
@@ -109,14 +110,14 @@ class Perception:
         scan = self._laser.last
         return scan if isinstance(scan, LaserRead) and not self._laser.fault(self.stamp) else None
 
-    def perceived(self) -> Perceived | None:
-        """Return what both sensors show; None where no sensor works."""
+    def perceived(self, outline: Outline) -> Perceived | None:
+        """Return what both sensors of a robot with this outline show; None where no sensor works."""
         has_laser = self.laser is not None
         rays = self._rays(self._scanned if has_laser else Rays.none())
         if self._newest is None or not len(rays.end_x):
             return None
         bodies = self._tracker.bodies if has_laser else Bodies.none()
-        return Perceived(self.stamp, self._newest.pose, rays, bodies)
+        return Perceived(self.stamp, self._newest.pose, rays, bodies.beside(outline, self._newest.pose))
 
     def _rays(self, seen: Rays) -> Rays:
         sonar = self._sonar.last

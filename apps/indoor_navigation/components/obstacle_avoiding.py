@@ -111,7 +111,7 @@ class ObstacleAvoiding(Embodied):
     def _push(self) -> None:
         if self._odometry is None or self.outline is None:
             return
-        perceived = self._perception.perceived()
+        perceived = self._perception.perceived(self.outline)
         if perceived is None:
             return  # blind; the fuser stops the robot when no command arrives
         self._surroundings.see(perceived)

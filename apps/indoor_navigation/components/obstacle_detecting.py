@@ -62,7 +62,7 @@ class ObstacleDetecting(Embodied):
         self._report_faults()
         if self.outline is None:
             return
-        perceived = self._perception.perceived()
+        perceived = self._perception.perceived(self.outline)
         if perceived is None:
             return
         read = obstacles(self.parameters.detection, self.outline, perceived)

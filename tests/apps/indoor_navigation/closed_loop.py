@@ -210,7 +210,7 @@ class ClosedLoop:
         self._perception.take(sonar)
         if scan is not None:
             self._perception.take(scan)
-        perceived = self._perception.perceived()
+        perceived = self._perception.perceived(self.outline)
         assert perceived is not None
         read = ObstRead.from_json(obstacles(self._detection, self.outline, perceived).to_json())
         self.last_obstacles = read

@@ -225,7 +225,7 @@ def test_a_sensor_that_says_the_same_while_the_robot_moves_is_left_out() -> None
         perception.take(replace(sonar(1.0 - 0.01 * step, 2.0, 3.0, stamp=0.1 * step), pose=(0.05 * step, 0.0, 0.0)))
     assert perception.laser is None
     assert perception.faults == ("the laser repeats the same ranges while the robot moves",)
-    perceived = perception.perceived()
+    perceived = perception.perceived(ROBOT)
     assert perceived is not None
     assert len(perceived.rays.end_x) == 3
 
@@ -236,7 +236,7 @@ def test_a_silent_sensor_is_left_out_and_missed() -> None:
     for step in range(8):
         perception.take(sonar(2.0 + 0.01 * step, inf, inf, stamp=0.1 * step))
     assert perception.faults == ("the laser is silent",)
-    perceived = perception.perceived()
+    perceived = perception.perceived(ROBOT)
     assert perceived is not None
     assert len(perceived.rays.end_x) == 3
 

@@ -6,8 +6,9 @@ from math import cos, pi, radians, sin
 import numpy as np
 import pytest
 
-from apps.indoor_navigation.algorithms.bodies import HIDDEN_TIME, Bodies, BodyTracker
+from apps.indoor_navigation.algorithms.bodies import HIDDEN_TIME, LEG_RADIUS, Bodies, BodyTracker
 from apps.indoor_navigation.algorithms.body_track import BODY_RADIUS, MAX_SPREAD
+from apps.indoor_navigation.algorithms.outline import Outline
 from apps.indoor_navigation.algorithms.perception import Perception
 from apps.indoor_navigation.algorithms.walkers import ScanMotion
 from apps.indoor_navigation.data import Floats, LaserRead, ObstRead
@@ -21,6 +22,7 @@ BODY = 0.25  # m, radius of the body that must not be touched
 Round = tuple[float, float, float]  # x, y and radius of something round
 Pose = tuple[float, float, float]
 ORIGIN: Pose = (0.0, 0.0, 0.0)
+ROBOT = Outline(0.21, 0.3, 0.42)
 
 
 def person(x: float, y: float, heading: float = 0.0, stride: float = 0.1) -> list[Round]:
@@ -164,12 +166,21 @@ def test_a_pose_that_was_set_anew_leaves_nobody() -> None:
 
     def bodies(stamp: float, x: float) -> int:
         perception.take(scan(person(x + 1.5, 0.0), stamp, (x, 0.0, 0.0)))
-        perceived = perception.perceived()
+        perceived = perception.perceived(ROBOT)
         assert perceived is not None
         return len(perceived.bodies.x)
 
     assert [bodies(stamp, 0.0) for stamp in (0.0, 0.1)] == [0, 1]
     assert bodies(0.2, 3.0) == 0
+
+
+def test_nobody_is_thought_to_stand_in_the_robot() -> None:
+    jamb, far = (0.25, 0.4), (1.5, -0.4)
+    x, y = np.array([jamb, far]).T
+    bodies = Bodies(x, y, np.array([0.45, 0.35]), np.zeros(2, bool)).beside(ROBOT, ORIGIN)
+    assert bodies.radius == pytest.approx([float(ROBOT.distance(*np.array([jamb]).T)[0]), 0.35])
+    turned = bodies.beside(ROBOT, (0.1, 0.2, 0.0))
+    assert turned.radius[0] == LEG_RADIUS, "what was hit stays in the way"
 
 
 def test_bodies_travel_in_the_reading() -> None:
