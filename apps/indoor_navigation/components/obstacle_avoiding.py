@@ -23,11 +23,14 @@ from apps.indoor_navigation.components.embodied import Embodied
 from apps.indoor_navigation.data import Floats, LaserRead, MotionCmd, Pose, RobotOdometry, SonarRead, WorldCoord
 from bus import BusUnavailable, MessageError, Refused, Sample, keys
 from bus.messages import heading
+from geometry import wrap_angle
 
 MIN_TURN_SPEED = 0.03  # rad/s above which the robot turns; below, gyro and odometry drift
+MIN_TURN_LEFT = 0.05  # rad; an ordered turn counts as done within it
+TURN = "turn"  # the aim of an order
 MOST_POSES = 100  # of robots that wait to be used; older ones are dropped
 SIZE_PERIOD = 5.0  # s between two attempts to learn the size of another robot
-TURN_MEMORY = 1.0  # s for which the side of a turn is remembered after the robot came to a stop
+TURN_MEMORY = 1.0  # s for which the side of a turn is remembered after the robot came to a stop, or after an order
 
 log = logging.getLogger("navigation")
 
@@ -59,6 +62,8 @@ class ObstacleAvoiding(Embodied):
         self.note_awake(f"*/{keys.POSE.suffix}", self._take_pose)
         self._turned, self._turned_at = 0.0, -inf
         self._order, self._barred = -1, np.empty((0, 2))  # of the last order, and its forbidden places in odom
+        self._turn_to: float | None = None  # the heading, rad in odom, to which the last order turns the robot
+        self._told_at = -inf
         await super().setup()
 
     def woken(self, slept: float) -> None:
@@ -87,13 +92,14 @@ class ObstacleAvoiding(Embodied):
             self._turned, self._turned_at = copysign(1.0, odometry.angular), odometry.stamp
 
     @is_told(WorldCoord)
-    async def take_forbidden(self, target: WorldCoord) -> None:
-        """Take the forbidden places near the robot; ignore those of an order that is older than the last one.
+    async def take_order(self, target: WorldCoord) -> None:
+        """Take the forbidden places near the robot and a turn; ignore an order that is older than the last one.
 
         Targets do not wake this component: it is awake while the fuser is.
         """
         if target.order >= self._order:
             self._order, self._barred = target.order, np.array(target.barred).reshape(-1, 2)
+            self._turn_to, self._told_at = (target.heading if target.aim == TURN else None), self._now
 
     @hears(SonarRead)
     async def listen_around(self, sonar: SonarRead) -> None:
@@ -124,12 +130,23 @@ class ObstacleAvoiding(Embodied):
             self._odometry.linear,
             self._odometry.angular,
             approach=self._walkers.approach(pose[:2], self._avoidance.walker),
-            turned=self._turned if self._odometry.stamp - self._turned_at < TURN_MEMORY else 0.0,
+            turned=self._turning(pose),
             has_laser=self._perception.laser is not None,
             had_laser=self._perception.had_laser,
             teammates=self._closing(),
         )
         self.push(MotionCmd(stamp, self.name.local, *astuple(push)))
+
+    def _turning(self, pose: Pose) -> float:
+        """Return the side to which the robot is to turn, or has turned lately: 1 or -1; 0 if neither.
+
+        An order that is not repeated any more counts no longer than a turn, because whoever gave it may be dead.
+        """
+        assert self._odometry is not None  # it has been checked before
+        if self._turn_to is not None and self._now - self._told_at < TURN_MEMORY:
+            left = wrap_angle(self._turn_to - pose[2])
+            return copysign(1.0, left) if abs(left) > MIN_TURN_LEFT else 0.0
+        return self._turned if self._odometry.stamp - self._turned_at < TURN_MEMORY else 0.0
 
     def _places(self, pose: Pose) -> tuple[Floats, Floats]:
         """Return obstacles and forbidden places in the frame of a robot at a pose in odom."""

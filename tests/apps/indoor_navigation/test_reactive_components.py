@@ -146,6 +146,25 @@ def test_avoiding_forgets_forbidden_places_when_odom_is_set_anew(site: Site) -> 
     assert after is None or after > 0.3
 
 
+def test_avoiding_creeps_to_where_an_ordered_turn_is_free_and_stands_once_the_orders_cease(site: Site) -> None:
+    avoiding(site)
+    pushed = site.pushed("obstacle_avoiding", MotionCmd)
+    beside_the_tail = -0.25, -0.24
+    target = WorldCoord(site.time, 1, "turn", heading=1.5, barred=beside_the_tail)
+    site.bus.send(send_key(ROBOT, "obstacle_avoiding", WorldCoord), target.to_json())
+    stand(site)
+    see(site, 5.0)
+    assert pushed[-1].left is not None
+    assert pushed[-1].left < 0.1
+    assert pushed[-1].linear > 0.0
+    for _ in range(20):
+        stand(site)
+        see(site, 5.0)
+    assert pushed[-1].left is not None
+    assert pushed[-1].left < 0.1
+    assert pushed[-1].linear == 0.0
+
+
 def test_goto_does_not_obey_an_order_that_was_overtaken(site: Site) -> None:
     goto(site)
     wanted = site.pushed("goto", MotionCmd)
