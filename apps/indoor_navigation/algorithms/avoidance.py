@@ -6,7 +6,7 @@ from math import inf, isfinite
 import numpy as np
 
 from apps.indoor_navigation.algorithms.braking import safe_speed
-from apps.indoor_navigation.algorithms.outline import Outline
+from apps.indoor_navigation.algorithms.outline import Outline, runs_into
 from apps.indoor_navigation.algorithms.rays import SURE_CONE
 from apps.indoor_navigation.algorithms.teammates import NOBODY, Closing
 from apps.indoor_navigation.data import Bools, Floats
@@ -19,11 +19,12 @@ MAX_CURVATURE = 3.0  # 1/m; above, the robot turns on the spot
 TURNS = np.array([0.02, 0.05, 0.09, 0.14, 0.2, 0.28, 0.38, 0.5, 0.7, 1.0, 1.4])
 CURVES = np.array([0.1, 0.25, 0.5, 1.0, 2.0])
 CURVE_DISTANCES = np.array([0.05, 0.1, 0.2, 0.3, 0.45, 0.6])
-CREEP_SPEED = 0.08  # m/s, away from an obstacle that bars a turn
+CREEP_SPEED = 0.08  # m/s, away from an obstacle that bars a turn, and where there is less room than the margin
+CREEP_TURN = 0.15  # rad/s, likewise
 MIN_TURN = 0.1  # rad/s; the robot creeps to more room where it may not turn faster
 STANDING = 0.05  # m/s below which a robot counts as standing
 BODY_REACH = 0.2  # m that a body may reach beyond the leg that the laser sees
-TURN_MARGIN = 0.035  # m that stay free in turns; less than the margin, or a robot could not turn in a door
+TURN_MARGIN = 0.035  # m that stay free in turns unless it creeps; less than the margin, or it could not turn in a door
 CREEP_DISTANCE = 0.1  # m that must be free to creep, and that are added to the reach of a turn
 REAR_MARGIN = 0.06  # m that must be free around the rear to creep back, because few sensors look there
 FULL_PUSH_SPEED = 0.3  # m/s from which on the push has its full strength
@@ -34,15 +35,17 @@ WALKER_REAR = -0.3  # m; walkers farther behind the axle do not slow the robot
 class AvoidanceParameters:
     """Margins, braking and strength of the push.
 
-    margin: m that always stay free. deceleration, angular_deceleration: m/s² and rad/s² that the robot reaches.
-    reaction: s from a reading until the wheels begin to slow down. walker: maximum m/s at which people approach. reach:
-    m within which obstacles push. push: maximum, rad/s. weight: of the push, beside goto's 1. guard_weight: of a
-    command when a turn would touch an obstacle. blind: maximum m/s backward, where few sensors look, and forward after
-    the laser has failed. by_sonar: maximum m/s forward of a robot that has none. echo_age: s by which `reaction` is
-    longer without a laser, because the discs fire in turns.
+    margin: m that stay free. close: m that stay free where the robot creeps, because there is not more room.
+    deceleration, angular_deceleration: m/s² and rad/s² that the robot reaches. reaction: s from a reading until the
+    wheels begin to slow down. walker: maximum m/s at which people approach. reach: m within which obstacles push.
+    push: maximum, rad/s. weight: of the push, beside goto's 1. guard_weight: of a command when a turn would touch
+    an obstacle. blind: maximum m/s backward, where few sensors look, and forward after the laser has failed.
+    by_sonar: maximum m/s forward of a robot that has none. echo_age: s by which `reaction` is longer without a
+    laser, because the discs fire in turns.
     """
 
     margin: float
+    close: float
     deceleration: float
     angular_deceleration: float
     reaction: float
@@ -113,7 +116,7 @@ def avoid(
         linear: The present speed, m/s.
         angular: The present turn speed, rad/s.
         approach: Speed at which walkers approach, m/s; the maximum by default.
-        turned: The side of the last turn, 1 or -1; 0 without a recent turn.
+        turned: The side to which the robot is to turn, or has turned lately, 1 or -1; 0 if neither.
         has_laser: Whether the laser works; sonar alone misses surfaces that deflect sound, so the speed is limited.
         had_laser: Whether a scan has ever come: then the laser has failed if it does not work.
         teammates: Robots of the team that come nearer.
@@ -122,10 +125,14 @@ def avoid(
     apart = outline.distance(*places)
     course = float(np.clip(angular / linear, -MAX_CURVATURE, MAX_CURVATURE)) if abs(linear) > STANDING else 0.0
     coming = parameters.walker if approach is None else approach
-    on, back = _ways(parameters, outline, places, apart, course)
+    way, back = _ways(outline, places, apart, course, parameters.margin)
+    on = safe_speed(way, parameters.deceleration, parameters.reaction + (0.0 if has_laser else parameters.echo_age))
+    if on < CREEP_SPEED and has_laser:
+        way, _ = _ways(outline, places, apart, course, parameters.close)
+        on = max(on, min(CREEP_SPEED, safe_speed(way, parameters.deceleration, parameters.reaction)))
     limit = min(
         inf if has_laser else parameters.blind if had_laser else parameters.by_sonar,
-        safe_speed(on, parameters.deceleration, parameters.reaction + (0.0 if has_laser else parameters.echo_age)),
+        on,
         safe_speed(_walkers_way(outline, walkers), parameters.deceleration, parameters.reaction, coming),
         _teammates_limit(parameters, outline, teammates, teammates[0] > WALKER_REAR),
     )
@@ -136,7 +143,7 @@ def avoid(
     )
     rolls = linear * parameters.reaction + linear * abs(linear) / (2.0 * parameters.deceleration)
     near = _within_sweep(parameters, outline, places, rolls)
-    turns = _turns(parameters, outline, near, linear, rolls)
+    turns = _turns(parameters, outline, near, linear, rolls, parameters.close if has_laser else TURN_MARGIN)
     if not has_laser:  # the cone of a disc must not have passed a place before the disc fires again
         turns = [min(each, SURE_CONE / parameters.echo_age) for each in turns]
     told = [each if isfinite(each) else None for each in (limit, limit_back, *turns)]
@@ -164,11 +171,11 @@ def _within_sweep(
 
 
 def _ways(
-    parameters: AvoidanceParameters, outline: Outline, places: tuple[Floats, Floats], apart: Floats, course: float
+    outline: Outline, places: tuple[Floats, Floats], apart: Floats, course: float, margin: float
 ) -> tuple[float, float]:
     """Return how far the robot may drive on its course or one beside it, m, forward and backward."""
     poses = _arc(course + COURSES, FORWARD_AND_BACK)
-    barred = outline.runs_into(poses, *places, parameters.margin, apart).any(axis=0).reshape(2, len(DISTANCES))
+    barred = outline.runs_into(poses, *places, margin, apart).any(axis=0).reshape(2, len(DISTANCES))
     on, back = (float(BEFORE[each.argmax() if each.any() else len(DISTANCES)]) for each in barred)
     return on, back
 
@@ -194,32 +201,51 @@ def _teammates_limit(parameters: AvoidanceParameters, outline: Outline, teammate
 
 
 def _turns(
-    parameters: AvoidanceParameters, outline: Outline, places: tuple[Floats, Floats], linear: float, rolls: float
+    parameters: AvoidanceParameters,
+    outline: Outline,
+    places: tuple[Floats, Floats],
+    linear: float,
+    rolls: float,
+    close: float,
 ) -> list[float]:
     """Return the maximum turns to the left and to the right, rad/s, that end before the corners touch anything.
 
     A turn that is commanded while the robot drives may take place anywhere until it has stopped. Meanwhile the tail
-    moves on, and a curve that is free is allowed in any case.
+    moves on, and a curve that is free is allowed in any case. `close` is the margin, m, of slow turns.
     """
     x, y = places
     if not len(x):
         return [inf, inf]
     apart = outline.distance(x, y)
     poses = np.array([[0.0], [rolls / 2.0], [rolls]]), np.zeros((3, 1)), LEFT_AND_RIGHT
-    barred: Bools = np.logical_or.reduce(outline.runs_into(poses, x, y, TURN_MARGIN, apart), axis=1)
+    distances = outline.distances(poses, x, y)
+    barred, barred_slow = (
+        np.logical_or.reduce(runs_into(distances, apart, margin), axis=1) for margin in (TURN_MARGIN, close)
+    )
     found = []
-    for touches, curves in zip(barred, CURVE_POSES, strict=True):
+    for touches, touches_slow, curves in zip(barred, barred_slow, CURVE_POSES, strict=True):
         if not touches.any():
             found.append(inf)
             continue
-        free = float(TURNS[touches.argmax() - 1]) if touches.argmax() else 0.0
-        on_the_spot = safe_speed(free, parameters.angular_deceleration, parameters.reaction)
+        fast, slow = (
+            safe_speed(_free_turn(each), parameters.angular_deceleration, parameters.reaction)
+            for each in (touches, touches_slow)
+        )
+        on_the_spot = max(fast, min(CREEP_TURN, slow))
         if linear >= STANDING:
             shut = outline.runs_into(curves, x, y, TURN_MARGIN, apart).any(axis=1)
             widest = float(CURVES[: shut.argmax() if shut.any() else len(CURVES)].max(initial=0.0))
             on_the_spot = max(on_the_spot, linear * widest)
         found.append(on_the_spot)
     return found
+
+
+def _free_turn(is_barred: Bools) -> float:
+    """Return the angle, rad, before the first of TURNS that is barred."""
+    if not is_barred.any():
+        return inf
+    first = int(is_barred.argmax())
+    return float(TURNS[first - 1]) if first else 0.0
 
 
 def _to_more_room(outline: Outline, x: Floats, y: Floats, limit: float) -> float:

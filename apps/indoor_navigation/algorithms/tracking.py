@@ -39,18 +39,19 @@ ANGULAR = SmoothingParameters(rate=2.5, rate_change=15.0, haste=8.0, ahead=0.6)
 class TrackingParameters:
     """Steering parameters.
 
-    look_ahead: m on the lane to the point that the robot steers to. gain: 1/s, of turns on the spot. angular: maximum,
-    rad/s. margin: m that stay free on each side. comfort: m of room below which a way costs more. ease: m of room at
-    which the robot drives at full speed. slowest: m/s at the margin. deceleration: maximum, m/s², to stop at the end.
-    reaction: s until the wheels react. there: m from the end that count as reached. tightness, aside, unsteadiness,
-    block: costs of a way: for room below comfort, for a m aside of the path, for a m aside of the last lane, and for a
-    way that ends soon.
+    look_ahead: m on the lane to the point that the robot steers to. gain: 1/s, of turns on the spot. angular:
+    maximum, rad/s. margin: m that stay free on each side. close: likewise, where no lane leaves as much. comfort: m
+    of room below which a way costs more. ease: m of room at which the robot drives at full speed. slowest: m/s at
+    the margin. deceleration: maximum, m/s², to stop at the end. reaction: s until the wheels react. there: m from
+    the end that count as reached. tightness, aside, unsteadiness, block: costs of a way: for room below comfort,
+    for a m aside of the path, for a m aside of the last lane, and for a way that ends soon.
     """
 
     look_ahead: float
     gain: float
     angular: float
     margin: float
+    close: float
     comfort: float
     ease: float
     slowest: float
@@ -156,7 +157,9 @@ class _Path:
 class _Ways:
     """The predicted ways, one for each lane, in the frame of the robot.
 
-    A way is free until the outline is nearer to an obstacle than the margin, and nearer than at its start.
+    A way is free until the outline is nearer to an obstacle than the margin, and nearer than at its start. Where no
+    lane is free as far as it is predicted, the margin is the close one: else the robot would leave its path before a
+    narrow place for a lane that ends a little later.
     """
 
     def __init__(
@@ -166,9 +169,13 @@ class _Ways:
         x, y, heading, self._gone, self._bends = _rolled_out(parameters, path)
         distances = outline.distances((x, y, heading), *places)
         near = distances.min(axis=-1, initial=inf)
-        is_barred = runs_into(distances, outline.distance(*places), parameters.margin)
-        self._steps = np.where(is_barred.any(axis=1), is_barred.argmax(axis=1), STEPS)
-        self._is_open = self._steps == STEPS
+        now = outline.distance(*places)
+        for self._margin in (parameters.margin, parameters.close):
+            is_barred = runs_into(distances, now, self._margin)
+            self._steps = np.where(is_barred.any(axis=1), is_barred.argmax(axis=1), STEPS)
+            self._is_open = self._steps == STEPS
+            if self._is_open.any():
+                break
         rows, index = np.arange(len(LANES)), np.maximum(self._steps - 1, 0)
         self._free = np.where(self._steps > 0, self._gone[rows, index], 0.0)
         self._near = np.where(np.arange(STEPS) < np.maximum(self._steps, 1)[:, None], near, inf)
@@ -195,7 +202,7 @@ class _Ways:
 
     def _fastest(self, lane: int, target: WorldCoord) -> float:
         parameters = self._parameters
-        room = (self._near[lane] - parameters.margin) / (parameters.ease - parameters.margin)
+        room = (self._near[lane] - self._margin) / (parameters.ease - self._margin)
         there = parameters.slowest + max(0.0, target.speed - parameters.slowest) * np.clip(room, 0.0, 1.0)
         bends = np.abs(self._bends[lane])
         there = np.where(bends > MAX_BEND, 0.0, np.minimum(there, parameters.angular / np.maximum(bends, 0.1)))

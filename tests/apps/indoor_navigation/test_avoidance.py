@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from apps.indoor_navigation.algorithms.avoidance import avoid
+from apps.indoor_navigation.algorithms.avoidance import CREEP_SPEED, CREEP_TURN, avoid
 from apps.indoor_navigation.algorithms.bodies import Bodies
 from apps.indoor_navigation.algorithms.braking import safe_speed
 from apps.indoor_navigation.algorithms.orientation import turn
@@ -64,7 +64,7 @@ def test_the_course_is_what_counts() -> None:
 
 
 def test_a_tail_that_would_touch_forbids_that_turn_alone() -> None:
-    push = avoid(PARAMETERS, ROBOT, at((-0.25, -0.24)), NOWHERE, 0.0, 0.0)  # beside its tail on the right
+    push = avoid(PARAMETERS, ROBOT, at((-0.25, -0.23)), NOWHERE, 0.0, 0.0)  # beside its tail on the right
     assert push.left == 0.0  # its tail would swing to the right
     assert push.right is None or push.right > 0.1
 
@@ -78,8 +78,8 @@ def test_the_nearer_the_corner_comes_the_slower_it_may_turn() -> None:
 
 def test_a_robot_in_a_door_may_still_go_on_a_gentle_curve() -> None:
     frame = at(*((x, y) for x in np.linspace(-0.3, 0.2, 11) for y in (-0.25, 0.25)))
-    assert avoid(PARAMETERS, ROBOT, frame, NOWHERE, 0.0, 0.0).left == 0.0
-    driving = avoid(PARAMETERS, ROBOT, frame, NOWHERE, 0.4, 0.0).left
+    assert avoid(PARAMETERS, ROBOT, frame, NOWHERE, 0.0, 0.0, has_laser=False).left == 0.0
+    driving = avoid(PARAMETERS, ROBOT, frame, NOWHERE, 0.4, 0.0, has_laser=False).left
     assert driving is not None
     assert 0.0 < driving < 0.2
 
@@ -99,6 +99,28 @@ def test_who_drives_turns_no_faster_than_there_is_room_where_it_comes_to_a_stand
     left = avoid(PARAMETERS, ROBOT, beside_where_it_stands, NOWHERE, 0.5, 0.0).left
     assert left is not None
     assert left < 1.0
+
+
+@pytest.mark.parametrize(("room", "creeps"), [(0.04, True), (0.03, True), (0.015, False)])
+def test_where_there_is_less_room_than_the_margin_it_creeps_and_closer_it_stops(room: float, creeps: bool) -> None:
+    x = np.linspace(-0.3, 1.0, 60)
+    # Walls on both sides, which draw together by 1 cm in a metre: a robot that drives on comes nearer to them.
+    walls = np.concatenate((x, x)), np.concatenate((0.21 + room - 0.01 * x, -0.21 - room + 0.01 * x))
+    limit = avoid(PARAMETERS, ROBOT, walls, NOWHERE, 0.0, 0.0).limit
+    assert limit is not None
+    assert (0.0 < limit <= CREEP_SPEED) if creeps else limit == 0.0
+    assert avoid(PARAMETERS, ROBOT, walls, NOWHERE, 0.0, 0.0, has_laser=False).limit == 0.0
+
+
+@pytest.mark.parametrize(("room", "creeps"), [(0.03, True), (0.015, False)])
+def test_where_a_corner_is_closer_than_the_margin_it_turns_slowly_and_closer_not_at_all(
+    room: float, creeps: bool
+) -> None:
+    before_its_right_corner = at((0.21 + room, -0.21))
+    left = avoid(PARAMETERS, ROBOT, before_its_right_corner, NOWHERE, 0.0, 0.0).left
+    assert left is not None
+    assert (0.0 < left <= CREEP_TURN) if creeps else left == 0.0
+    assert avoid(PARAMETERS, ROBOT, before_its_right_corner, NOWHERE, 0.0, 0.0, has_laser=False).left == 0.0
 
 
 def test_who_could_not_turn_lately_is_helped_to_more_room() -> None:

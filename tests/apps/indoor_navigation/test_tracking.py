@@ -14,6 +14,7 @@ from tests.apps.indoor_navigation.closed_loop import ClosedLoop, box, corridor, 
 
 ROBOT = Outline(0.23, 0.23, 0.4)
 NOWHERE = np.empty(0), np.empty(0)
+POWERBOT_WIDTH = 0.68  # m
 CORNER = [(0.1 * step, 0.0) for step in range(20)] + [(1.95, 0.15 + 0.1 * step) for step in range(20)]
 
 
@@ -73,6 +74,14 @@ def test_round_a_corner_the_robot_stays_near_the_path() -> None:
 def test_a_door_is_passed_in_its_middle_although_the_path_is_beside_that(model: str) -> None:
     width = {"p2dx": 0.65, "powerbot-sh": 0.85}[model]
     trace = ClosedLoop(model, door(2.8, width, y=0.05), Pose2D()).go(5.0, 0.0, seconds=40.0)
+    assert trace.reached_at is not None
+    assert trace.clearance > 0.03
+
+
+@pytest.mark.parametrize("aside", [0.0, 0.03])
+def test_a_door_with_five_centimetres_on_either_side_is_passed_at_a_creep(aside: float) -> None:
+    width = POWERBOT_WIDTH + 0.1
+    trace = ClosedLoop("powerbot-sh", door(2.8, width), Pose2D(0.0, aside)).go(5.0, 0.0)
     assert trace.reached_at is not None
     assert trace.clearance > 0.03
 
