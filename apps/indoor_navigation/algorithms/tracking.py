@@ -1,9 +1,10 @@
 """Steering along a path: the robot's way is predicted for lanes beside the path, and the best one is taken.
 
-Each lane is the path moved aside by some cm. For each, the robot is simulated as it steers to a point a little ahead on
-the lane, from where it will be when a command takes effect. The whole outline is compared with the obstacles along the
-predicted ways, so the room for turns and for the tail is included. The speed is that from which the robot can slow down
-for the bends and narrow places of the chosen way, and stop at its end.
+Each lane is the path moved aside by some cm, or the path itself after some cm straight on. For each, the robot is
+simulated as it steers to a point a little ahead on the lane, from where it will be when a command takes effect. The
+whole outline is compared with the obstacles along the predicted ways, so the room for turns and for the tail is
+included. The speed is that from which the robot can slow down for the bends and narrow places of the chosen way, and
+stop at its end.
 
 Source: the steering is pure pursuit; Coulter, "Implementation of the pure pursuit path tracking algorithm", 1992.
 """
@@ -19,7 +20,10 @@ from apps.indoor_navigation.algorithms.rays import in_odom, in_robot
 from apps.indoor_navigation.algorithms.smoothing import SmoothedSpeed, SmoothingParameters
 from apps.indoor_navigation.data import Floats, Pose, RobotOdometry, WorldCoord
 
-LANES = np.array([0.0, 0.03, -0.03, 0.06, -0.06, 0.1, -0.1, 0.15, -0.15, 0.2, -0.2, 0.27, -0.27, 0.35, -0.35])
+ASIDE = [0.0, 0.03, -0.03, 0.06, -0.06, 0.1, -0.1, 0.15, -0.15, 0.2, -0.2, 0.27, -0.27, 0.35, -0.35]  # m to the left
+LATE = [2, 4]  # steps that the robot goes straight on before it steers to the path; its tail may bar each turn at first
+LANES = np.array(ASIDE + [0.0] * len(LATE))
+STRAIGHT = np.array([0] * len(ASIDE) + LATE)
 STEP = 0.08  # m between two predicted poses
 STEPS = 18
 SPACING = 0.04  # m between two points of a path
@@ -185,7 +189,8 @@ class _Ways:
         parameters = self._parameters
         tight = np.maximum(1.0 - np.maximum(self._near, 0.0) / parameters.comfort, 0.0) ** 2
         cost = parameters.tightness * tight.mean(axis=1)
-        cost = cost + parameters.aside * np.abs(LANES) + parameters.unsteadiness * np.abs(LANES - before)
+        cost = cost + parameters.aside * (np.abs(LANES) + STEP * STRAIGHT)
+        cost = cost + parameters.unsteadiness * np.abs(LANES - before)
         short = np.maximum(1.0 - self._free / min(MIN_FREE, max(self._path.length, STEP)), 0.0)
         return int((cost + np.where(self._is_open, 0.0, parameters.block * (0.2 + short))).argmin())
 
@@ -234,9 +239,10 @@ def _rolled_out(parameters: TrackingParameters, path: _Path) -> tuple[Floats, Fl
         to_x, to_y = path.x[index] - LANES * s[index] - x, path.y[index] + LANES * c[index] - y
         ahead, aside = np.cos(heading) * to_x + np.sin(heading) * to_y, np.cos(heading) * to_y - np.sin(heading) * to_x
         bearing = np.arctan2(aside, ahead)
-        is_turn = np.abs(bearing) > MAX_BEARING
+        is_straight = step < STRAIGHT
+        is_turn = (np.abs(bearing) > MAX_BEARING) & ~is_straight
         away = np.maximum(np.hypot(ahead, aside), STEP)
-        bend = np.clip(2.0 * np.sin(bearing) / away, -MAX_BEND, MAX_BEND)
+        bend = np.where(is_straight, 0.0, np.clip(2.0 * np.sin(bearing) / away, -MAX_BEND, MAX_BEND))
         goes = np.where(is_turn, 0.0, np.minimum(STEP, np.maximum(path.length - way, 0.0)))
         turn = np.where(is_turn, np.copysign(np.minimum(TURN_STEP, np.abs(bearing)), bearing), goes * bend)
         bends[step] = np.where(is_turn, np.copysign(MAX_BEND + np.abs(bearing), bearing), bend)

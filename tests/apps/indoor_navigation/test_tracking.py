@@ -57,6 +57,15 @@ def test_where_each_lane_is_barred_the_robot_stands() -> None:
     assert steered(straight(2.0, 0.0), places=wall) == Speeds()
 
 
+def test_where_the_tail_bars_a_turn_the_robot_goes_straight_on_first() -> None:
+    beside_the_tail = np.linspace(-0.25, -0.05, 9), np.full(9, 0.22)
+    to_the_right = straight(0.5, -1.5)
+    assert steered(to_the_right).linear == 0.0, "it turns on the spot where it can"
+    speeds = steered(to_the_right, places=beside_the_tail)
+    assert speeds.linear > 0.05
+    assert speeds.angular == pytest.approx(0.0, abs=0.01)
+
+
 def test_at_its_target_the_robot_stands() -> None:
     assert steered(straight(0.02, 0.0)) == Speeds()
     assert steered(straight(-0.08, 0.0)) == Speeds()
