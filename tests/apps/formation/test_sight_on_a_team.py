@@ -13,6 +13,7 @@ from tests.apps.film_frames import frames_of
 from tests.apps.on_a_team import LITTLE, application, leading, step, wait_until_stand
 from tests.waiting import end_of, wait_until
 
+GAP, TOO_FAR = 3.0, 5.0  # m between the robots at the beginning, and where the leader is hardly seen any more
 TEAM = """\
 world = "empty"
 
@@ -44,13 +45,22 @@ def formation(team: RunningTeam, folder: Path) -> "Iterator[subprocess.Popen[str
 
     The leader stands until the follower has found it and drives up to it. One that drove off before that would be too
     far away to be seen when a busy machine has started the application at last, and the follower would stand for ever.
+    Likewise one that drives on while a busy machine stops the follower; it is put back before it.
     """
-    for robot, x in ("doc", 0.0), ("happy", 3.0):
+    for robot, x in ("doc", 0.0), ("happy", GAP):
         team.emulator().ask("pose", robot=robot, x=x, y=0.0, heading=0.0)
+
+    def is_followed() -> bool:
+        where = {robot: team.emulator().ask("truth", robot=robot) for robot in both}
+        if where["happy"]["x"] - where["doc"]["x"] > TOO_FAR:
+            ahead = where["doc"]["x"] + GAP
+            team.emulator().ask("pose", robot="happy", x=ahead, y=where["doc"]["y"], heading=0.0)
+        return all(step(team, robot) > 5 * LITTLE for robot in both)
+
+    both = ("happy", "doc")
     words = ["formation", "leader=happy", "followers=doc", "shape=column", "poses=sight", "film=drive.gif"]
     with application(team, folder, words, ["doc"]) as process, leading(team, "happy"):
-        both = ("happy", "doc")
-        wait_until(lambda: all(step(team, each) > 5 * LITTLE for each in both), "the leader is followed")
+        wait_until(is_followed, "the leader is followed")
         yield process
 
 
