@@ -19,12 +19,13 @@ from tests.waiting import run
 
 ROOT = Path(__file__).parents[2]
 LEFT_OUT = (
-    "pty_tests/test_firmware.py",
+    "pty_tests/test_firmware.py",  # asks no robot
+    # Asks for each command alone; the test after it sends all of them to each model.
     "pty_tests/test_rows.py::test_a_command_that_concerns_something_else_does_not_disturb",
-    "pty_tests/test_questions.py",
-    "pty_tests/test_client.py",
-    "pty_tests/test_captures.py",
-    "pty_tests/test_foreign_driver.py",
+    "pty_tests/test_questions.py",  # any answer is right, and goes to a report
+    "pty_tests/test_client.py",  # asks no robot
+    "pty_tests/test_captures.py",  # measures streams by the real clock
+    "pty_tests/test_foreign_driver.py",  # a driver that opens devices only
 )
 UNUSED = ("cacheprovider", "hypothesispytest", "xdist")
 """Plugins that the suite does not need, and that take longer to load than a model is asked."""

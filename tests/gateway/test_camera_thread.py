@@ -190,11 +190,13 @@ def test_a_calibrated_camera_is_described_with_its_model_and_publishes_it_with_e
     thread.driver.take((160, 120))
     known = CameraCalibration(160, 120, 150.0, 151.0, 79.0, 60.0, (-0.2, 0.1, 0.01, 0.02, 0.0), 0.3)
     settings = Settings(camera=CameraSettings(calibration=known))
+    # The casts stand for the parts of a robot that a camera's adapter does not use.
     adapter = CameraAdapter(RobotContext("happy", cast(Any, None), settings, cast(Any, None)), thread)
     messages = dict(adapter.messages(PictureTaken(JPEG, 160, 120), 1_500_000_000))
     info = decode(keys.CAMERA_INFO.type_name, encode(messages[keys.CAMERA_INFO]))
     assert (info.width, info.height, info.distortion_model) == (160, 120, "plumb_bob")
-    assert info.header.stamp == cast(Any, messages[keys.CAMERA]).header.stamp
+    image = cast(Any, messages[keys.CAMERA])  # the type depends on the topic
+    assert info.header.stamp == image.header.stamp
     assert info.d.tolist() == list(known.distortion)
     assert info.k.reshape(3, 3).tolist() == [[150.0, 0.0, 79.0], [0.0, 151.0, 60.0], [0.0, 0.0, 1.0]]
     assert info.p.reshape(3, 4)[:, :3].tolist() == info.k.reshape(3, 3).tolist()
@@ -208,10 +210,11 @@ def test_face_publishes_the_jpeg_and_describes_its_size() -> None:
     thread = CameraThread("somewhere")
     thread.driver.take((160, 120))
     settings = Settings(camera=CameraSettings(field_of_view_rad=0.8))
+    # The casts stand for the parts of a robot that a camera's adapter does not use.
     adapter = CameraAdapter(RobotContext("happy", cast(Any, None), settings, cast(Any, None)), thread)
     [(topic, message)] = adapter.messages(PictureTaken(JPEG, 160, 120), 1_500_000_000)
     assert topic is keys.CAMERA
-    image = cast(Any, message)
+    image = cast(Any, message)  # the type depends on the topic
     assert (image.format, image.header.frame_id, image.header.stamp.nanosec) == ("jpeg", "happy/camera", 500_000_000)
     assert np.asarray(image.data).tobytes() == JPEG
     assert adapter.describe() == {"size": (160, 120), "field_of_view": 0.8}

@@ -36,7 +36,7 @@ class Lab:
     def __init__(self, starts: dict[str, tuple[float, float, float]], map_file: str = "") -> None:
         network = MemoryNetwork()
         self.bus, self.robots, self.places = MemoryBus(network), Robots(), FramePlaces(starts, map_file)
-        self.watch = LocatingWatch(MemoryBus(network), self.robots, self.places)  # type: ignore[arg-type]  # stands in
+        self.watch = LocatingWatch(MemoryBus(network), self.robots, self.places)  # type: ignore[arg-type]  # a stand-in with what is called
         self.watch.look()
 
     def report(self, agent: str = "localization", **told: Any) -> dict[str, Any]:

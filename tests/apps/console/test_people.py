@@ -28,7 +28,7 @@ def looked(emulator: Emulator, *times: float) -> list[list[float]]:
     """Where people are after looks at some times, s."""
 
     async def act() -> list[list[float]]:
-        watch = PeopleWatch(emulator)  # type: ignore[arg-type]  # stands in
+        watch = PeopleWatch(emulator)  # type: ignore[arg-type]  # a stand-in with what is called
         for at in times:
             await watch.look(at)
         return watch.places

@@ -48,7 +48,7 @@ class Shown:
         self.places, self.emulator, self.robots = FramePlaces({}), Emulator(), robots
 
     def at(self, now: float, *, is_watched: bool = True) -> Pose2D | None:
-        asking = self.places.ask(self.emulator, self.robots, now, is_watched=is_watched)  # type: ignore[arg-type]  # stands in
+        asking = self.places.ask(self.emulator, self.robots, now, is_watched=is_watched)  # type: ignore[arg-type]  # a stand-in with what is called
         asyncio.run(asking)
         return self.places.of("happy")
 

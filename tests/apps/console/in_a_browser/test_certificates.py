@@ -40,7 +40,7 @@ def tab_of(browser: Browser, address: str, keys: Path | None, path: str) -> Iter
     origin = address.rstrip("/")
     shown = {"origin": origin, "certPath": keys / CERTIFICATE, "keyPath": keys / PRIVATE_KEY} if keys else None
     # Playwright connects on behalf of the browser, and does not know the authority of this test.
-    with browser.new_context(ignore_https_errors=True, client_certificates=[shown] if shown else None) as context:  # type: ignore[list-item]  # a typed dict
+    with browser.new_context(ignore_https_errors=True, client_certificates=[shown] if shown else None) as context:  # type: ignore[list-item]  # Playwright's typed dict has the same keys
         tab = ConsoleTab(context, address, path)
         yield tab
         assert tab.errors == []
