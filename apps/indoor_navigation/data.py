@@ -135,6 +135,9 @@ class LogMessage(Data):
     what: str
 
 
+GO, BACK, TURN, REST = "go", "back", "turn", "rest"  # aims of a WorldCoord
+
+
 @dataclass(frozen=True, slots=True)
 class WorldCoord(Data):
     """A target of the reactive components.

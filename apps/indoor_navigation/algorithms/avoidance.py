@@ -125,10 +125,11 @@ def avoid(
     apart = outline.distance(*places)
     course = float(np.clip(angular / linear, -MAX_CURVATURE, MAX_CURVATURE)) if abs(linear) > STANDING else 0.0
     coming = parameters.walker if approach is None else approach
-    way, back = _ways(outline, places, apart, course, parameters.margin)
+    distances = outline.distances(_arc(course + COURSES, FORWARD_AND_BACK), *places)
+    way, back = _ways(distances, apart, parameters.margin)
     on = safe_speed(way, parameters.deceleration, parameters.reaction + (0.0 if has_laser else parameters.echo_age))
     if on < CREEP_SPEED and has_laser:
-        way, _ = _ways(outline, places, apart, course, parameters.close)
+        way, _ = _ways(distances, apart, parameters.close)
         on = max(on, min(CREEP_SPEED, safe_speed(way, parameters.deceleration, parameters.reaction)))
     limit = min(
         inf if has_laser else parameters.blind if had_laser else parameters.by_sonar,
@@ -170,12 +171,15 @@ def _within_sweep(
     return x[is_near], y[is_near]
 
 
-def _ways(
-    outline: Outline, places: tuple[Floats, Floats], apart: Floats, course: float, margin: float
-) -> tuple[float, float]:
-    """Return how far the robot may drive on its course or one beside it, m, forward and backward."""
-    poses = _arc(course + COURSES, FORWARD_AND_BACK)
-    barred = outline.runs_into(poses, *places, margin, apart).any(axis=0).reshape(2, len(DISTANCES))
+def _ways(distances: Floats, apart: Floats, margin: float) -> tuple[float, float]:
+    """Return how far the robot may drive on its course or one beside it, m, forward and backward.
+
+    Args:
+        distances: m, of obstacles at FORWARD_AND_BACK on each of COURSES.
+        apart: m, of obstacles now.
+        margin: m.
+    """
+    barred = runs_into(distances, apart, margin).any(axis=0).reshape(2, len(DISTANCES))
     on, back = (float(BEFORE[each.argmax() if each.any() else len(DISTANCES)]) for each in barred)
     return on, back
 

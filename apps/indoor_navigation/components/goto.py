@@ -13,11 +13,9 @@ from apps.indoor_navigation.algorithms.surroundings import MEMORY_TIME, Surround
 from apps.indoor_navigation.algorithms.tracking import PathTracking, Speeds, TrackingParameters
 from apps.indoor_navigation.component import Role, hears, is_told
 from apps.indoor_navigation.components.embodied import Embodied
-from apps.indoor_navigation.data import Floats, MotionCmd, ObstRead, Pose, RobotOdometry, WorldCoord
+from apps.indoor_navigation.data import BACK, GO, REST, Floats, MotionCmd, ObstRead, Pose, RobotOdometry, WorldCoord
 from apps.indoor_navigation.wakefulness import moves
 from geometry import wrap_angle
-
-GO, BACK, REST = "go", "back", "rest"
 
 
 @dataclass(frozen=True, slots=True)

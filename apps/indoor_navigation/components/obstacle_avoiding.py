@@ -20,14 +20,13 @@ from apps.indoor_navigation.algorithms.teammates import Closing, Teammates
 from apps.indoor_navigation.algorithms.walkers import WalkerMemory
 from apps.indoor_navigation.component import DESCRIPTION_TIMEOUT, Role, hears, is_told
 from apps.indoor_navigation.components.embodied import Embodied
-from apps.indoor_navigation.data import Floats, LaserRead, MotionCmd, Pose, RobotOdometry, SonarRead, WorldCoord
+from apps.indoor_navigation.data import TURN, Floats, LaserRead, MotionCmd, Pose, RobotOdometry, SonarRead, WorldCoord
 from bus import BusUnavailable, MessageError, Refused, Sample, keys
 from bus.messages import heading
 from geometry import wrap_angle
 
 MIN_TURN_SPEED = 0.03  # rad/s above which the robot turns; below, gyro and odometry drift
 MIN_TURN_LEFT = 0.05  # rad; an ordered turn counts as done within it
-TURN = "turn"  # the aim of an order
 MOST_POSES = 100  # of robots that wait to be used; older ones are dropped
 SIZE_PERIOD = 5.0  # s between two attempts to learn the size of another robot
 TURN_MEMORY = 1.0  # s for which the side of a turn is remembered after the robot came to a stop, or after an order

@@ -2,10 +2,8 @@
 
 from apps.indoor_navigation.algorithms.orientation import OrientationParameters, turn
 from apps.indoor_navigation.component import Component, Role, hears, is_told
-from apps.indoor_navigation.data import MotionCmd, RobotOdometry, WorldCoord
+from apps.indoor_navigation.data import TURN, MotionCmd, RobotOdometry, WorldCoord
 from apps.indoor_navigation.wakefulness import moves
-
-TURN = "turn"
 
 
 class Orienting(Component):

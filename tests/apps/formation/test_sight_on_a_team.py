@@ -47,6 +47,7 @@ def formation(team: RunningTeam, folder: Path) -> "Iterator[subprocess.Popen[str
     far away to be seen when a busy machine has started the application at last, and the follower would stand for ever.
     Likewise one that drives on while a busy machine stops the follower; it is put back before it.
     """
+    both = ("happy", "doc")
     for robot, x in ("doc", 0.0), ("happy", GAP):
         team.emulator().ask("pose", robot=robot, x=x, y=0.0, heading=0.0)
 
@@ -57,7 +58,6 @@ def formation(team: RunningTeam, folder: Path) -> "Iterator[subprocess.Popen[str
             team.emulator().ask("pose", robot="happy", x=ahead, y=where["doc"]["y"], heading=0.0)
         return all(step(team, robot) > 5 * LITTLE for robot in both)
 
-    both = ("happy", "doc")
     words = ["formation", "leader=happy", "followers=doc", "shape=column", "poses=sight", "film=drive.gif"]
     with application(team, folder, words, ["doc"]) as process, leading(team, "happy"):
         wait_until(is_followed, "the leader is followed")

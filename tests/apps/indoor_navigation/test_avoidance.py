@@ -63,8 +63,10 @@ def test_the_course_is_what_counts() -> None:
     assert curve.limit is not None
 
 
-def test_a_tail_that_would_touch_forbids_that_turn_alone() -> None:
-    push = avoid(PARAMETERS, ROBOT, at((-0.25, -0.23)), NOWHERE, 0.0, 0.0)  # beside its tail on the right
+@pytest.mark.parametrize(("beside", "has_laser"), [(0.03, False), (0.02, True), (0.02, False)])
+def test_a_tail_that_would_touch_forbids_that_turn_alone(beside: float, has_laser: bool) -> None:
+    to_the_right_of_its_tail = at((-0.25, -0.21 - beside))
+    push = avoid(PARAMETERS, ROBOT, to_the_right_of_its_tail, NOWHERE, 0.0, 0.0, has_laser=has_laser)
     assert push.left == 0.0  # its tail would swing to the right
     assert push.right is None or push.right > 0.1
 
@@ -79,9 +81,13 @@ def test_the_nearer_the_corner_comes_the_slower_it_may_turn() -> None:
 def test_a_robot_in_a_door_may_still_go_on_a_gentle_curve() -> None:
     frame = at(*((x, y) for x in np.linspace(-0.3, 0.2, 11) for y in (-0.25, 0.25)))
     assert avoid(PARAMETERS, ROBOT, frame, NOWHERE, 0.0, 0.0, has_laser=False).left == 0.0
-    driving = avoid(PARAMETERS, ROBOT, frame, NOWHERE, 0.4, 0.0, has_laser=False).left
-    assert driving is not None
-    assert 0.0 < driving < 0.2
+    creeping = avoid(PARAMETERS, ROBOT, frame, NOWHERE, 0.0, 0.0).left
+    assert creeping is not None
+    assert 0.0 < creeping <= CREEP_TURN
+    for has_laser in (True, False):
+        driving = avoid(PARAMETERS, ROBOT, frame, NOWHERE, 0.4, 0.0, has_laser=has_laser).left
+        assert driving is not None
+        assert 0.0 < driving < 0.2
 
 
 def test_what_is_behind_forbids_to_go_back_and_nothing_else() -> None:

@@ -11,7 +11,7 @@ import numpy as np
 from apps.indoor_navigation.algorithms.outline import Outline
 from apps.indoor_navigation.algorithms.planning.area import OCCUPIED, Area
 from apps.indoor_navigation.algorithms.planning.terrain import distances
-from apps.indoor_navigation.data import Bools, Floats
+from apps.indoor_navigation.data import Bools, Floats, Place
 
 DISC_RADIUS = 0.12  # m, of the discs along the edge
 OVERLAP = 0.012  # m that discs reach over the edge, so that they lack as little between each other
@@ -84,9 +84,7 @@ class Clearance:
 def _covering(outline: Outline) -> tuple[Floats, Floats, Floats]:
     """Return places and radii of discs that cover the outline, in the robot's frame, m: along the edge, and inside."""
     radius = min(DISC_RADIUS, outline.width / 2.0)
-    inset = radius - OVERLAP
-    front, rear, side = outline.front - inset, -outline.rear + inset, outline.width / 2.0 - inset
-    edge = [(front, side), (rear, side), (rear, -side), (front, -side)]
+    edge = _corners(outline, radius - OVERLAP)
     along, aside = [], []
     for (from_x, from_y), (to_x, to_y) in zip(edge, [*edge[1:], edge[0]], strict=True):
         count = max(1, ceil(hypot(to_x - from_x, to_y - from_y) / DISC_SPACING))
@@ -94,11 +92,10 @@ def _covering(outline: Outline) -> tuple[Floats, Floats, Floats]:
         along.append(from_x + parts * (to_x - from_x))
         aside.append(from_y + parts * (to_y - from_y))
     radii = [np.full(sum(map(len, along)), radius)]
-    inset = CORNER_RADIUS - OVERLAP
-    front, rear, side = outline.front - inset, -outline.rear + inset, outline.width / 2.0 - inset
-    along.append(np.array([front, rear, rear, front]))
-    aside.append(np.array([side, side, -side, -side]))
-    radii.append(np.full(4, CORNER_RADIUS))
+    corners = np.array(_corners(outline, CORNER_RADIUS - OVERLAP))
+    along.append(corners[:, 0])
+    aside.append(corners[:, 1])
+    radii.append(np.full(len(corners), CORNER_RADIUS))
     half = outline.width / 2.0
     inner = np.linspace(-outline.rear + half, max(outline.front - half, -outline.rear + half), 3)
     # Discs along the edge cover what is near it; discs of the whole width would be too near to both sides of a gap, by
@@ -108,3 +105,9 @@ def _covering(outline: Outline) -> tuple[Floats, Floats, Floats]:
         np.concatenate([*aside, np.zeros(len(inner))]),
         np.concatenate([*radii, np.full(len(inner), half - radius / 2.0)]),
     )
+
+
+def _corners(outline: Outline, inset: float) -> list[Place]:
+    """Return the corners of a rectangle so many m within the outline, in turn, in the robot's frame."""
+    front, rear, side = outline.front - inset, -outline.rear + inset, outline.width / 2.0 - inset
+    return [(front, side), (rear, side), (rear, -side), (front, -side)]
