@@ -126,11 +126,15 @@ def avoid(
     course = float(np.clip(angular / linear, -MAX_CURVATURE, MAX_CURVATURE)) if abs(linear) > STANDING else 0.0
     coming = parameters.walker if approach is None else approach
     distances = outline.distances(_arc(course + COURSES, FORWARD_AND_BACK), *places)
-    way, back = _ways(distances, apart, parameters.margin)
+    way, way_back = _ways(distances, apart, parameters.margin)
     on = safe_speed(way, parameters.deceleration, parameters.reaction + (0.0 if has_laser else parameters.echo_age))
-    if on < CREEP_SPEED and has_laser:
-        way, _ = _ways(distances, apart, parameters.close)
+    back = safe_speed(way_back, parameters.deceleration, parameters.reaction)
+    if has_laser and min(on, back) < CREEP_SPEED:
+        # Few sensors look behind the tail; what is beside its way back the robot has seen when it came.
+        is_behind = (places[0] < 0.0) & (np.abs(places[1]) < outline.width / 2.0)
+        way, way_back = _ways(distances, apart, np.where(is_behind, parameters.margin, parameters.close))
         on = max(on, min(CREEP_SPEED, safe_speed(way, parameters.deceleration, parameters.reaction)))
+        back = max(back, min(CREEP_SPEED, safe_speed(way_back, parameters.deceleration, parameters.reaction)))
     limit = min(
         inf if has_laser else parameters.blind if had_laser else parameters.by_sonar,
         on,
@@ -139,7 +143,7 @@ def avoid(
     )
     limit_back = min(
         parameters.blind,
-        safe_speed(back, parameters.deceleration, parameters.reaction),
+        back,
         _teammates_limit(parameters, outline, teammates, teammates[0] < 0.0),
     )
     rolls = linear * parameters.reaction + linear * abs(linear) / (2.0 * parameters.deceleration)
@@ -171,13 +175,13 @@ def _within_sweep(
     return x[is_near], y[is_near]
 
 
-def _ways(distances: Floats, apart: Floats, margin: float) -> tuple[float, float]:
+def _ways(distances: Floats, apart: Floats, margin: float | Floats) -> tuple[float, float]:
     """Return how far the robot may drive on its course or one beside it, m, forward and backward.
 
     Args:
         distances: m, of obstacles at FORWARD_AND_BACK on each of COURSES.
         apart: m, of obstacles now.
-        margin: m.
+        margin: m, of all of them or of each.
     """
     barred = runs_into(distances, apart, margin).any(axis=0).reshape(2, len(DISTANCES))
     on, back = (float(BEFORE[each.argmax() if each.any() else len(DISTANCES)]) for each in barred)

@@ -104,15 +104,15 @@ class Outline:
 ROUNDING = 2e-3  # m; smaller changes of a distance come from single precision and arcs of finite length
 
 
-def runs_into(distances: Floats, now: Floats, margin: float) -> Bools:
+def runs_into(distances: Floats, now: Floats, margin: float | Floats) -> Bools:
     """Return where the last axis of distances has one below the margin and below the present distance; all in m.
 
     Args:
         distances: In single precision.
         now: In double precision.
-        margin: m.
+        margin: m, of all places or of each.
     """
-    least = np.minimum(now - ROUNDING, float(np.float32(margin)))
+    least = np.minimum(now - ROUNDING, np.asarray(margin, np.float32).astype(np.float64))
     # A number of single precision is below another number if it is below the next one of single precision.
     limit = least.astype(np.float32)
     limit = np.where(limit < least, np.nextafter(limit, np.float32(np.inf)), limit)

@@ -118,6 +118,25 @@ def test_where_there_is_less_room_than_the_margin_it_creeps_and_closer_it_stops(
     assert avoid(PARAMETERS, ROBOT, walls, NOWHERE, 0.0, 0.0, has_laser=False).limit == 0.0
 
 
+@pytest.mark.parametrize(("room", "creeps"), [(0.04, True), (0.03, True), (0.015, False)])
+def test_from_where_it_has_crept_in_it_creeps_back_out(room: float, creeps: bool) -> None:
+    x = np.linspace(-1.0, 0.3, 60)
+    walls = np.concatenate((x, x)), np.concatenate((0.21 + room + 0.01 * x, -0.21 - room - 0.01 * x))
+    back = avoid(PARAMETERS, ROBOT, walls, NOWHERE, 0.0, 0.0).back
+    assert back is not None
+    assert (0.0 < back <= CREEP_SPEED) if creeps else back == 0.0
+    assert avoid(PARAMETERS, ROBOT, walls, NOWHERE, 0.0, 0.0, has_laser=False).back == 0.0
+
+
+def test_what_is_behind_the_tail_keeps_the_whole_margin_from_a_robot_that_creeps_back() -> None:
+    near = PARAMETERS.margin - 0.005
+    assert avoid(PARAMETERS, ROBOT, at((-0.3 - near, 0.0)), NOWHERE, 0.0, 0.0).back == 0.0
+    beside_its_way = at((-0.32, 0.21 + near))
+    back = avoid(PARAMETERS, ROBOT, beside_its_way, NOWHERE, 0.0, 0.0).back
+    assert back is not None
+    assert 0.0 < back <= CREEP_SPEED
+
+
 @pytest.mark.parametrize(("room", "creeps"), [(0.03, True), (0.015, False)])
 def test_where_a_corner_is_closer_than_the_margin_it_turns_slowly_and_closer_not_at_all(
     room: float, creeps: bool
