@@ -138,17 +138,20 @@ class Guide:
         """Return whether the goal is too far away to plan."""
         return self._memory.survey(self.goal, now) is None
 
-    def look(self, now: float, budget: float = inf, barred: Place | None = None) -> float | None:
+    def look(
+        self, now: float, budget: float = inf, barred: Place | None = None, *, afresh: bool = False
+    ) -> float | None:
         """Plan a way, and take it if it costs no more than the budget; return its length, m, or None.
 
         Args:
             now: s.
             budget: Of its cost.
             barred: A place where somebody was in the way, and may still be.
+            afresh: Search even if there was no way a moment ago and little seems to have changed.
         """
         ground = self._survey(now, barred=barred)
         search = self._search(ground)
-        if self._failed is not None:
+        if self._failed is not None and not afresh:
             estimate, at = self._failed
             if now < at + SEARCH_AGAIN and search.estimate > estimate - CHEAPER:
                 return None

@@ -31,7 +31,7 @@ class Pausing:
             situation.give_up(now, f"{place_text(guide.goal)} is too far away to plan a way there")
         elif (why := guide.why_forbidden()) is not None:
             situation.give_up(now, why)
-        elif (found := situation.look(now)) is not None:
+        elif (found := situation.look(now, afresh=True)) is not None:
             self._machine.happens(MissionEvent.WAY_FOUND, now, f"a way of {found:.1f} m")
         elif (barred := guide.look_hoping(now)) is not None:
             why = f"the only way is barred near {place_text(guide.barred_place())}, {barred:.1f} m from here"
@@ -43,7 +43,7 @@ class Pausing:
             waiting = Waiting("there is no way at the moment", now, until, place=situation.barred)
             situation.wait_for(now, MissionEvent.WAY_BARRED, waiting)
         elif situation.doubts and guide.doubt_goal(now):
-            situation.doubts = False  # a person may have stood there; look again from nearer
+            situation.doubts -= 1  # people may have stood there; look again from nearer
         elif guide.doubt_narrowest(now):
             situation.no_way_since = inf
         else:

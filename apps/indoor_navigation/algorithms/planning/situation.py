@@ -15,6 +15,7 @@ from apps.indoor_navigation.data import GoalPoint, Place
 from apps.indoor_navigation.state_machine import Change, StateMachine
 
 MAX_NOTES = 64  # messages that wait to be sent
+DOUBTS = 3  # times that the robot looks again before it gives up, because what bars the way may have gone
 WAITING_LOOK = 0.5  # s between two searches for a way while the robot waits
 
 
@@ -37,7 +38,7 @@ class Situation:
     unless the robot is lost. rights: to passages.
     notes: messages for people. noted: number of notes of this mission. waiting: reason and end in the state WAITING.
     barred: where the way was barred last. no_way_since: s. looked_at: s of the last search for a way. seen_at: s of the
-    last reading. is_there: whether only the final turn is left. doubts: an obstacle at the goal may be a person.
+    last reading. is_there: whether only the final turn is left. doubts: that are left.
     """
 
     def __init__(self, parameters: MissionParameters, memory: Memory) -> None:
@@ -70,7 +71,7 @@ class Situation:
         self.making_way.waiting = None
         self.barred: Place | None = None
         self.no_way_since, self.looked_at = inf, -inf
-        self.is_there, self.doubts = False, True
+        self.is_there, self.doubts = False, DOUBTS
         self.progress.begin()
 
     def lose(self, now: float, why: str) -> None:
@@ -89,10 +90,12 @@ class Situation:
         """Return whether readings have been missing for too long."""
         return now - self.seen_at > self.parameters.silence
 
-    def look(self, now: float, budget: float = inf, barred: Place | None = None) -> float | None:
+    def look(
+        self, now: float, budget: float = inf, barred: Place | None = None, *, afresh: bool = False
+    ) -> float | None:
         """Plan a way, and take it if it costs no more than the budget; return its length, m, or None."""
         self.looked_at = now
-        found = self.guide.look(now, budget, barred)
+        found = self.guide.look(now, budget, barred, afresh=afresh)
         if found is not None:
             self.no_way_since = inf
         return found
@@ -160,7 +163,7 @@ class Situation:
         self.making_way = MakingWay(self.parameters.courtesies)
         self.barred = None
         self.no_way_since, self.looked_at = inf, -inf
-        self.is_there, self.doubts = False, True
+        self.is_there, self.doubts = False, DOUBTS
 
     def _changed(self, change: Change[MissionState, MissionEvent]) -> None:
         self.progress.go_on()

@@ -13,6 +13,7 @@ from apps.indoor_navigation.algorithms.planning.area import OCCUPIED
 from apps.indoor_navigation.algorithms.planning.doors_map import DoorsMap
 from apps.indoor_navigation.algorithms.planning.mission import Navigator
 from apps.indoor_navigation.algorithms.planning.orders import REST
+from apps.indoor_navigation.algorithms.planning.situation import DOUBTS
 from apps.indoor_navigation.data import LEAST_TOLERANCE, GoalPoint, Place
 from apps.indoor_navigation.parameters import shipped_parameters
 from tests.apps.indoor_navigation.planning.house import (
@@ -308,22 +309,58 @@ def test_where_the_only_door_stays_shut_it_is_said_and_the_robot_stands() -> Non
     assert robot.navigator.step(robot.time) == REST
 
 
+def pane(robot: Walker, age: float, place: tuple[float, float, float] = (5.0, 0.1, 2.9)) -> None:
+    """Put what only sonar heard, s ago, into a grid; place: its x, and its y from one end to the other."""
+    x, first_y, last_y = place
+    area = robot.navigator.memory.grid.area
+    (first, column), (last, _) = area.cell(x, first_y), area.cell(x, last_y)
+    area.echo[first : last + 1, column] = 2 * OCCUPIED
+    area.hit_at[first : last + 1, column] = robot.time - age
+
+
 @pytest.mark.parametrize(("age", "ends"), [(15.0, "done"), (0.0, "failed")])
 def test_a_pane_that_only_sonar_heard_long_ago_is_looked_at_again_where_no_other_way_is(age: float, ends: str) -> None:
     robot = walker(House([]).box(0.0, 0.0, 8.0, 3.0), (1.0, 1.5, 0.0))
     robot.run(1.0)
-
-    def hear(robot: Walker) -> None:
-        area = robot.navigator.memory.grid.area
-        (first, column), (last, _) = area.cell(5.0, 0.1), area.cell(5.0, 2.9)
-        area.echo[first : last + 1, column] = 2 * OCCUPIED
-        area.hit_at[first : last + 1, column] = robot.time
-
-    hear(robot)
-    robot.meanwhile = hear if age == 0.0 else robot.meanwhile
+    pane(robot, 0.0)
+    robot.meanwhile = partial(pane, age=0.0) if age == 0.0 else robot.meanwhile
     robot.run(age)
     robot.go(7.0, 1.5)
     assert robot.run_to_end(60.0) == ends
+
+
+def test_where_a_wall_comes_into_view_the_robot_searches_again_before_it_waits() -> None:
+    rooms = House([]).box(0.0, 0.0, 8.0, 7.0)
+    # Behind the gap stands a wall, which is seen late: there is hardly room to turn.
+    rooms.walls += [(4.0, 0.0, 4.0, 1.0), (4.0, 1.62, 4.0, 5.0), (4.0, 6.6, 4.0, 7.0), (4.7, 0.0, 4.7, 2.3)]
+    robot = walker(rooms, (1.5, 1.3, 0.0))
+    robot.navigator.memory.outline = LONG
+    robot.run(1.0)
+    pane(robot, 15.0, (4.0, 5.0, 6.6))  # bars the other way
+    robot.go(6.5, 1.3)
+    assert robot.run_to_end(60.0) == "done"
+    assert "a wall is in the way" in notes(robot)
+    assert "waiting" not in robot.states
+
+
+@pytest.mark.parametrize(("returns", "ends"), [(DOUBTS - 1, "done"), (DOUBTS, "failed")])
+def test_what_comes_back_where_no_other_way_is_is_looked_at_again_some_times(returns: int, ends: str) -> None:
+    robot = walker(House([]).box(0.0, 0.0, 8.0, 3.0), (1.0, 1.5, 0.0))
+    robot.run(1.0)
+    pane(robot, 15.0)
+    came = 0
+
+    def come_back(robot: Walker) -> None:
+        nonlocal came
+        area = robot.navigator.memory.grid.area
+        if came < returns and not area.echo[area.cell(5.0, 1.5)]:
+            came += 1
+            pane(robot, 15.0)
+
+    robot.meanwhile = come_back
+    robot.go(7.0, 1.5)
+    assert robot.run_to_end(90.0) == ends
+    assert came == returns
 
 
 def test_nobody_hopes_that_a_wall_goes_away_which_was_only_just_seen() -> None:
