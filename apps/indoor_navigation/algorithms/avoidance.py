@@ -21,6 +21,7 @@ CURVES = np.array([0.1, 0.25, 0.5, 1.0, 2.0])
 CURVE_DISTANCES = np.array([0.05, 0.1, 0.2, 0.3, 0.45, 0.6])
 CREEP_SPEED = 0.08  # m/s, away from an obstacle that bars a turn, and where there is less room than the margin
 CREEP_TURN = 0.15  # rad/s, likewise
+SCATTER = 0.005  # m by which places that it has crept past may seem nearer on the way back
 MIN_TURN = 0.1  # rad/s; the robot creeps to more room where it may not turn faster
 STANDING = 0.05  # m/s below which a robot counts as standing
 BODY_REACH = 0.2  # m that a body may reach beyond the leg that the laser sees
@@ -129,11 +130,13 @@ def avoid(
     way, way_back = _ways(distances, apart, parameters.margin)
     on = safe_speed(way, parameters.deceleration, parameters.reaction + (0.0 if has_laser else parameters.echo_age))
     back = safe_speed(way_back, parameters.deceleration, parameters.reaction)
-    if has_laser and min(on, back) < CREEP_SPEED:
+    if has_laser and on < CREEP_SPEED:
+        way, _ = _ways(distances, apart, parameters.close)
+        on = max(on, min(CREEP_SPEED, safe_speed(way, parameters.deceleration, parameters.reaction)))
+    if has_laser and back < CREEP_SPEED:
         # Few sensors look behind the tail; what is beside its way back the robot has seen when it came.
         is_behind = (places[0] < 0.0) & (np.abs(places[1]) < outline.width / 2.0)
-        way, way_back = _ways(distances, apart, np.where(is_behind, parameters.margin, parameters.close))
-        on = max(on, min(CREEP_SPEED, safe_speed(way, parameters.deceleration, parameters.reaction)))
+        _, way_back = _ways(distances, apart, np.where(is_behind, parameters.margin, parameters.close - SCATTER))
         back = max(back, min(CREEP_SPEED, safe_speed(way_back, parameters.deceleration, parameters.reaction)))
     limit = min(
         inf if has_laser else parameters.blind if had_laser else parameters.by_sonar,

@@ -118,7 +118,7 @@ def test_where_there_is_less_room_than_the_margin_it_creeps_and_closer_it_stops(
     assert avoid(PARAMETERS, ROBOT, walls, NOWHERE, 0.0, 0.0, has_laser=False).limit == 0.0
 
 
-@pytest.mark.parametrize(("room", "creeps"), [(0.04, True), (0.03, True), (0.015, False)])
+@pytest.mark.parametrize(("room", "creeps"), [(0.04, True), (0.03, True), (0.022, True), (0.015, False)])
 def test_from_where_it_has_crept_in_it_creeps_back_out(room: float, creeps: bool) -> None:
     x = np.linspace(-1.0, 0.3, 60)
     walls = np.concatenate((x, x)), np.concatenate((0.21 + room + 0.01 * x, -0.21 - room - 0.01 * x))
