@@ -157,4 +157,4 @@ def _from_camera(where: str) -> Iterator[bytes]:
     check_source(where)
     with closing(open_source(where)) as camera:
         while True:
-            yield camera.read()
+            yield camera.read().jpeg

@@ -2,6 +2,7 @@
 
 from cameras.errors import CameraError, CameraLost, CameraNotUsable
 from cameras.jpeg import picture_size, shrunk
+from cameras.multipart import CameraPicture
 from cameras.reader import CameraFrame, CameraReader
 from cameras.source import CameraSource, check_source, open_source
 
@@ -10,6 +11,7 @@ __all__ = [
     "CameraFrame",
     "CameraLost",
     "CameraNotUsable",
+    "CameraPicture",
     "CameraReader",
     "CameraSource",
     "check_source",

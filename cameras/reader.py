@@ -14,6 +14,7 @@ from cameras.errors import CameraLost
 from cameras.jpeg import picture_size
 from cameras.source import CameraSource, open_source
 
+NS_PER_S = 1_000_000_000
 RETRY = 1.0
 """Seconds between two tries to open a camera."""
 LINGER = 2.0
@@ -22,6 +23,8 @@ CHECK = 10.0
 """Seconds between two looks at a camera whose pictures nobody wants."""
 ATTENTION = 0.1
 """Seconds between two looks whether pictures are wanted."""
+SINCE_1970 = 1e9
+"""Seconds; fewer are counted from elsewhere, such as the start of a computer."""
 LEAVING = 1.0
 """Seconds for the thread to end; a device that hangs keeps it, and it ends with the program."""
 
@@ -30,7 +33,8 @@ LEAVING = 1.0
 class CameraFrame:
     """What a camera saw.
 
-    jpeg: a JPEG file. width, height: pixels. stamp_ns: when it had come, ns since 1970.
+    jpeg: a JPEG file. width, height: pixels. stamp_ns: when it was taken, or when it had come where the camera does not
+    tell; ns since 1970.
     """
 
     jpeg: bytes
@@ -113,14 +117,26 @@ class CameraReader:
         """
         until = time.monotonic()
         while not self._is_closed.is_set():
-            jpeg = source.read()
-            stamp_ns = time.time_ns()
-            size = picture_size(jpeg)
+            picture = source.read()
+            stamp_ns = _stamp_ns(picture.taken, time.time_ns())
+            size = picture_size(picture.jpeg)
             if size is None:
                 self._on_damaged()
             else:
-                self._on_picture(CameraFrame(jpeg, *size, stamp_ns))
+                self._on_picture(CameraFrame(picture.jpeg, *size, stamp_ns))
             if self._is_wanted():
                 until = time.monotonic() + LINGER
             elif time.monotonic() >= until:
                 return
+
+
+def _stamp_ns(taken: float | None, now_ns: int) -> int:
+    """Return when a picture was taken, ns since 1970.
+
+    Args:
+        taken: What its camera says, s since 1970 or from anywhere else.
+        now_ns: When it had come.
+    """
+    if taken is None or taken < SINCE_1970:
+        return now_ns
+    return min(round(taken * NS_PER_S), now_ns)

@@ -8,11 +8,12 @@ import time
 from contextlib import suppress
 from http import HTTPStatus
 from http.client import HTTPConnection, HTTPException, HTTPSConnection
+from ipaddress import ip_address
 from typing import Protocol
 from urllib.parse import SplitResult, unquote, urlsplit
 
 from cameras.errors import CameraLost, CameraNotUsable
-from cameras.multipart import MultipartDecoder, NoPictures, boundary_of
+from cameras.multipart import CameraPicture, MultipartDecoder, NoPictures, boundary_of
 from configs.extras import missing, needs
 
 PATIENCE = 3.0
@@ -27,8 +28,10 @@ QUALITY = 85
 class CameraSource(Protocol):
     """An open camera."""
 
-    def read(self) -> bytes:
+    def read(self) -> CameraPicture:
         """Wait for a picture; older ones than the newest are passed over.
+
+        It has the time when it was taken only if that is by the clock of this computer.
 
         Raises:
             CameraLost: None has come in time, or the camera is gone.
@@ -112,26 +115,29 @@ class _UrlSource:
                 said += "; name or password is wrong, or the camera wants another login than Basic"
             raise CameraLost(f"{_shown(url.geturl())} is no stream of pictures: {said}")
         self._decoder = MultipartDecoder(boundary)
+        # The clock of another computer may be off by more than a picture is late.
+        self._is_here = ip_address(self._socket.getpeername()[0]).is_loopback
 
-    def read(self) -> bytes:
+    def read(self) -> CameraPicture:
         """Wait for a picture."""
-        newest = b""
+        newest: CameraPicture | None = None
         until = time.monotonic() + PATIENCE
-        while not newest or self._has_more():
+        while newest is None or self._has_more():
             try:
                 data = self._answer.read1(CHUNK)
-                newest = (self._decoder.receive(data) or [newest])[-1]
+                if come := self._decoder.receive(data):
+                    newest = come[-1]
             except TimeoutError as error:
                 raise CameraLost(STALLED) from error
             except (OSError, NoPictures, HTTPException) as error:
                 raise CameraLost(f"the camera is lost: {_in_words(error)}") from error
-            if not data and newest:
+            if not data and newest is not None:
                 break  # the last one; who reads on learns that there are no more
             if not data:
                 raise CameraLost("the camera has closed the connection")
-            if not newest and time.monotonic() >= until:
+            if newest is None and time.monotonic() >= until:
                 raise CameraLost(STALLED)
-        return newest
+        return newest if self._is_here else CameraPicture(newest.jpeg)
 
     def interrupt(self) -> None:
         """Hang up, so that nothing more comes."""
@@ -162,7 +168,7 @@ class _DeviceSource:
         if not self._capture.isOpened():
             raise CameraLost(f"{where} cannot be opened")
 
-    def read(self) -> bytes:
+    def read(self) -> CameraPicture:
         """Wait for a picture."""
         has_come, picture = self._capture.read()
         if not has_come:
@@ -170,7 +176,7 @@ class _DeviceSource:
         is_packed, data = self._pack(".jpg", picture, self._parameters)
         if not is_packed:
             raise CameraLost("the camera's picture cannot be packed")
-        return bytes(data)
+        return CameraPicture(bytes(data))
 
     def interrupt(self) -> None:
         """A device gives a picture soon, or hangs; nothing ends that."""

@@ -14,7 +14,6 @@ from p2os_emu.camera.jpeg import encode_jpeg
 from p2os_emu.camera.news import SceneMoment, receive, report_watched
 from p2os_emu.camera.server import CameraServer
 from p2os_emu.world.mirror import Mirror, choose_renderer
-from p2os_emu.world.view import View
 from p2os_emu.zero_pages import zeros_given_back
 
 NICENESS = 10
@@ -50,7 +49,7 @@ class _SceneInbox:
                 with self._come:
                     if self._moment is not None:
                         self._moment.news.add(moment.news)
-                        moment = SceneMoment(self._moment.news, moment.view)
+                        moment = moment._replace(news=self._moment.news)
                     self._moment = moment
                     self._come.notify_all()
         finally:
@@ -75,28 +74,28 @@ def main(argv: Sequence[str] | None = None) -> int:
     server = CameraServer(socket.socket(fileno=int(listener_fd)), feed, title)
     threading.Thread(target=server.serve_forever, daemon=True).start()
     inbox.wait()
-    view: View | None = None
+    moment: SceneMoment | None = None
     due = time.monotonic()
     while True:
         if not feed.has_viewers:
             feed.wait_for_viewers()
-            view = _take(inbox, mirror, view)  # it may be as old as the last viewer
+            moment = _take(inbox, mirror, moment)  # it may be as old as the last viewer
         inbox.wait(LEAST_OFTEN)
-        view = _take(inbox, mirror, view)
-        assert view is not None  # the first has been waited for
-        feed.put(encode_jpeg(mirror.draw(view, image.width, image.height), int(quality)))
+        moment = _take(inbox, mirror, moment)
+        assert moment is not None  # the first has been waited for
+        feed.put(encode_jpeg(mirror.draw(moment.view, image.width, image.height), int(quality)), moment.time)
         now = time.monotonic()
         due = max(due + 1 / image.rate, now)
         time.sleep(due - now)
 
 
-def _take(inbox: _SceneInbox, mirror: Mirror, view: View | None) -> View | None:
-    """Update the mirror; return the present view."""
+def _take(inbox: _SceneInbox, mirror: Mirror, last: SceneMoment | None) -> SceneMoment | None:
+    """Update the mirror; return the present moment. Without news, the last one lasts."""
     moment = inbox.take()
     if moment is None:
-        return view
+        return last and last._replace(time=time.time())
     mirror.apply(moment.news)
-    return moment.view
+    return moment
 
 
 if __name__ == "__main__":

@@ -1,5 +1,6 @@
 """Every camera of an emulator: a process for each robot that has one fitted."""
 
+import time
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
@@ -107,4 +108,4 @@ class Cameras:
         assert model is not None  # there is a camera
         device = plugged_head(robot.microcontroller)
         view = model.view(self._world.truth(robot.name).pose, device.head if device else None)
-        return SceneMoment(self._world.sight.news(process.known), view)
+        return SceneMoment(self._world.sight.news(process.known), view, time.time())

@@ -7,10 +7,11 @@ from typing import NamedTuple
 
 
 class _JpegPicture(NamedTuple):
-    """number: counts from 1. jpeg: the file."""
+    """number: counts from 1. jpeg: the file. time: of what it shows, s since 1970."""
 
     number: int
     jpeg: bytes
+    time: float
 
 
 class Feed:
@@ -23,14 +24,14 @@ class Feed:
             on_watched: Told when the first viewer comes, and when the last one goes; must not wait.
         """
         self._on_watched = on_watched
-        self._newest = _JpegPicture(0, b"")
+        self._newest = _JpegPicture(0, b"", 0.0)
         self._viewers = 0
         self._changed = threading.Condition()
 
-    def put(self, jpeg: bytes) -> None:
-        """Publish a new picture."""
+    def put(self, jpeg: bytes, time: float) -> None:
+        """Publish a new picture; time: of what it shows, s since 1970."""
         with self._changed:
-            self._newest = _JpegPicture(self._newest.number + 1, jpeg)
+            self._newest = _JpegPicture(self._newest.number + 1, jpeg, time)
             self._changed.notify_all()
 
     @property

@@ -21,10 +21,11 @@ WATCHED, UNWATCHED = b"\1", b"\0"
 
 
 class SceneMoment(NamedTuple):
-    """The changes of the world, and the view of the camera."""
+    """The changes of the world, and the view of the camera. time: of both, s since 1970."""
 
     news: SceneChanges
     view: View
+    time: float
 
 
 def send(channel: socket.socket, moment: SceneMoment) -> bool:

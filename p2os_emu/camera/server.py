@@ -1,4 +1,7 @@
-"""An IP camera's HTTP server: MJPEG on `/video`, one picture on `/image`, a page on `/`."""
+"""An IP camera's HTTP server: MJPEG on `/video`, one picture on `/image`, a page on `/`.
+
+Each part of the stream tells when its picture was taken, `X-Timestamp` in s since 1970, as mjpg-streamer does.
+"""
 
 import socket
 import sys
@@ -85,5 +88,8 @@ class _Handler(BaseHTTPRequestHandler):
         with feed.watching() as number:
             while (picture := feed.after(number, PATIENCE)) is not None:
                 number = picture.number
-                head = f"--{BOUNDARY}\r\nContent-Type: image/jpeg\r\nContent-Length: {len(picture.jpeg)}\r\n\r\n"
+                head = (
+                    f"--{BOUNDARY}\r\nContent-Type: image/jpeg\r\nContent-Length: {len(picture.jpeg)}\r\n"
+                    f"X-Timestamp: {picture.time:.6f}\r\n\r\n"
+                )
                 self.wfile.write(head.encode() + picture.jpeg + b"\r\n")

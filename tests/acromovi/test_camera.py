@@ -73,10 +73,10 @@ class _Camera:
         assert where == "http://eye/video"
         self._images = (cv2.imencode(".jpg", image)[1].tobytes() for image in chessboards() for _ in range(2))
 
-    def read(self) -> bytes:
+    def read(self) -> cameras.CameraPicture:
         """The next image; without more, the camera is gone."""
         try:
-            return next(self._images)
+            return cameras.CameraPicture(next(self._images))
         except StopIteration:
             raise CameraLost("the camera has closed the connection") from None
 
@@ -118,7 +118,7 @@ class _Team:
     def picture(self) -> Picture:
         self.asked += 1
         if self.asked % 2:
-            self._data = self._eye.read()
+            self._data = self._eye.read().jpeg
         return Picture(format="jpeg", width=WIDTH, height=HEIGHT, data=self._data, stamp=float((self.asked + 1) // 2))
 
     def sleep(self, seconds: float) -> None:

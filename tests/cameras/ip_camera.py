@@ -11,9 +11,9 @@ LIMIT = 10.0  # s; only a failing test waits so long
 HEAD = b"HTTP/1.0 200 OK\r\nContent-Type: multipart/x-mixed-replace; boundary=frame\r\n\r\n"
 
 
-def part(picture: bytes) -> bytes:
-    """One picture of the stream."""
-    return b"--frame\r\nContent-Length: %d\r\n\r\n%s\r\n" % (len(picture), picture)
+def part(picture: bytes, head: bytes = b"") -> bytes:
+    """One picture of the stream. head: further lines of its head."""
+    return b"--frame\r\nContent-Length: %d\r\n%s\r\n%s\r\n" % (len(picture), head, picture)
 
 
 class IpCamera:

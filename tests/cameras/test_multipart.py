@@ -7,14 +7,16 @@ from hypothesis import strategies as st
 from cameras.jpeg import picture_size
 from cameras.multipart import MOST, MultipartDecoder, NoPictures, boundary_of
 
+TIMES = [b"", b"X-Timestamp: 1763812800.250000\r\n", b"x-timestamp:3.5\r\n"]  # as mjpg-streamer writes them
 PICTURES = [b"\xff\xd8first\xff\xd9", b"\xff\xd8\r\n--not the end\r\n\xff\xd9", b"\xff\xd8third\xff\xd9"]
 
 
 def stream(with_length: bool, boundary: bytes = b"frame") -> bytes:
     parts = []
-    for picture in PICTURES:
+    for picture, when in zip(PICTURES, TIMES, strict=True):
         length = b"Content-Length: %d\r\n" % len(picture) if with_length else b""
-        parts.append(b"--" + boundary + b"\r\nContent-Type: image/jpeg\r\n" + length + b"\r\n" + picture + b"\r\n")
+        head = b"--" + boundary + b"\r\nContent-Type: image/jpeg\r\n" + length + when
+        parts.append(head + b"\r\n" + picture + b"\r\n")
     return b"".join(parts) + b"--" + boundary + b"\r\n"
 
 
@@ -40,7 +42,14 @@ def test_any_splitting_of_a_stream_gives_the_same_pictures(with_length: bool, cu
     decoder = MultipartDecoder(b"frame")
     edges = [0, *sorted(min(cut, len(data)) for cut in cuts), len(data)]
     found = [picture for begin, end in pairwise(edges) for picture in decoder.receive(data[begin:end])]
-    assert found == PICTURES
+    assert [picture.jpeg for picture in found] == PICTURES
+    assert [picture.taken for picture in found] == [None, 1763812800.25, 3.5]
+
+
+@pytest.mark.parametrize("time", [b"", b"now", b"nan", b"1e999", b"-inf"])
+def test_a_time_that_is_none_is_ignored(time: bytes) -> None:
+    [picture] = MultipartDecoder(b"frame").receive(b"--frame\r\nContent-Length: 1\r\nX-Timestamp: %s\r\n\r\nx" % time)
+    assert picture.taken is None
 
 
 @given(st.lists(st.binary(max_size=60) | st.just(b"--frame\r\nContent-Length: 9\r\n\r\n"), max_size=20))

@@ -4,6 +4,7 @@ import socket
 import sys
 import threading
 from collections.abc import Iterator
+from ipaddress import ip_address
 
 import pytest
 
@@ -33,9 +34,9 @@ def test_newest_picture_is_read_and_older_ones_are_passed_over(camera: IpCamera)
 
     camera.serve = serve
     source = open_source(camera.url)
-    assert source.read() in (b"three", b"two", b"one")
+    assert source.read().jpeg in (b"three", b"two", b"one")
     has_read.set()
-    while source.read() != b"four":
+    while source.read().jpeg != b"four":
         pass
     has_read.set()
     source.close()
@@ -51,9 +52,22 @@ def test_name_and_password_of_the_url_are_shown_to_the_camera(camera: IpCamera) 
 def test_last_picture_before_the_camera_hangs_up_is_not_lost(camera: IpCamera) -> None:
     camera.serve = lambda connection: connection.sendall(HEAD + part(b"one"))
     source = open_source(camera.url)
-    assert source.read() == b"one"
+    assert source.read().jpeg == b"one"
     with pytest.raises(CameraLost, match="has closed the connection"):
         source.read()
+    source.close()
+
+
+@pytest.mark.parametrize(
+    ("address", "taken"), [("127.0.0.1", 1763812800.25), ("::1", 1763812800.25), ("192.0.2.7", None)]
+)
+def test_the_time_of_a_picture_is_believed_if_it_is_by_the_clock_of_this_computer(
+    camera: IpCamera, monkeypatch: pytest.MonkeyPatch, address: str, taken: float | None
+) -> None:
+    monkeypatch.setattr("cameras.source.ip_address", lambda peer: ip_address(address))
+    camera.serve = lambda connection: connection.sendall(HEAD + part(b"one", b"X-Timestamp: 1763812800.25\r\n"))
+    source = open_source(camera.url)
+    assert source.read() == (b"one", taken)
     source.close()
 
 
@@ -120,7 +134,7 @@ def test_silence_is_lost(camera: IpCamera, monkeypatch: pytest.MonkeyPatch) -> N
 
     camera.serve = serve
     source = open_source(camera.url)
-    assert source.read() == b"one"
+    assert source.read().jpeg == b"one"
     with pytest.raises(CameraLost, match="no picture has come"):
         source.read()
     source.close()

@@ -11,6 +11,7 @@ import pytest
 from bus import keys
 from bus.messages import decode, encode
 from cameras.errors import CameraLost
+from cameras.multipart import CameraPicture
 from cameras.source import PATIENCE, CameraSource
 from configs.camera_calibration import CameraCalibration
 from gateway.cables.camera_thread import CameraState, CameraThread
@@ -27,11 +28,11 @@ JPEG = bytes.fromhex("FF D8  FF C0 00 0B 08 00 78 00 A0 01 11 00  FF D9")  # 160
 class Pictures:
     """A source of some pictures, which then waits until it is interrupted."""
 
-    def __init__(self, *pictures: bytes) -> None:
-        self._pictures = list(pictures)
+    def __init__(self, *pictures: bytes, taken: float | None = None) -> None:
+        self._pictures = [CameraPicture(each, taken) for each in pictures]
         self._is_over = threading.Event()
 
-    def read(self) -> bytes:
+    def read(self) -> CameraPicture:
         if self._pictures:
             return self._pictures.pop(0)
         self._is_over.wait(patience())
@@ -49,6 +50,7 @@ class Robot:
 
     def __init__(self, has_listeners: bool = True) -> None:
         self.events: list[Event] = []
+        self.stamps: list[int] = []  # ns
         self.is_heard = has_listeners
 
     def is_wanted(self) -> bool:
@@ -56,6 +58,7 @@ class Robot:
 
     def publish(self, events: Sequence[Event], stamp_ns: int) -> None:
         self.events += events
+        self.stamps += [stamp_ns] * len(events)
 
 
 def joined(open_camera: Callable[[str], CameraSource], has_listeners: bool = True) -> tuple[CameraThread, Robot]:
@@ -72,6 +75,28 @@ def test_pictures_reach_the_bus_as_they_are_and_what_is_none_is_counted(until: C
     assert (thread.driver.size, thread.driver.is_connected, thread.driver.faults()) == ((160, 120), True, ())
     thread.close()
     assert not any(each.name == "camera" for each in threading.enumerate())
+
+
+@pytest.mark.parametrize("late", [0.0, 0.7, 40.0])
+def test_a_picture_has_the_time_when_its_camera_took_it_however_late_it_comes(
+    late: float, until: Callable[..., None]
+) -> None:
+    taken = time.time() - late
+    thread, robot = joined(lambda where: Pictures(JPEG, taken=taken))
+    until(lambda: robot.stamps)
+    assert robot.stamps == [pytest.approx(taken * 1e9, abs=1e6)]
+    thread.close()
+
+
+@pytest.mark.parametrize("taken", [None, 4711.5, -1.0, time.time() + 1e6])
+def test_a_picture_has_the_time_when_it_came_where_the_camera_does_not_tell_when_that_was(
+    taken: float | None, until: Callable[..., None]
+) -> None:
+    before = time.time_ns()
+    thread, robot = joined(lambda where: Pictures(JPEG, taken=taken))
+    until(lambda: robot.stamps)
+    assert before <= robot.stamps[0] <= time.time_ns()
+    thread.close()
 
 
 def test_camera_that_is_not_there_is_a_fault_and_tried_again(until: Callable[..., None]) -> None:
@@ -99,9 +124,9 @@ class Stream:
     def __init__(self) -> None:
         type(self).opened += 1
 
-    def read(self) -> bytes:
+    def read(self) -> CameraPicture:
         time.sleep(0.005)
-        return JPEG
+        return CameraPicture(JPEG)
 
     def interrupt(self) -> None:
         """It ends by itself."""

@@ -6,6 +6,7 @@ import os
 import signal
 import subprocess
 import sys
+import time
 from collections.abc import Callable
 from contextlib import closing
 from pathlib import Path
@@ -17,6 +18,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 import configs
+from cameras import open_source
 from p2os import Command, encode_command, encode_frame
 from p2os.accessories import vcc4
 from p2os.accessories.vcc4 import Code
@@ -136,7 +138,7 @@ def test_camera_is_told_what_is_new_only_while_somebody_looks(until: Callable[..
             return camera.wants_news
 
         assert wants_news(), "it knows nothing yet"
-        until(lambda: camera.tell(SceneMoment(SceneChanges(), view)))
+        until(lambda: camera.tell(SceneMoment(SceneChanges(), view, 0.0)))
         assert camera.listen()
         assert not wants_news()
 
@@ -150,9 +152,19 @@ def test_camera_is_told_what_is_new_only_while_somebody_looks(until: Callable[..
             with connection.getresponse():
                 until(is_watched)
                 assert (camera.is_newly_watched, wants_news()) == (True, True)
-                assert camera.tell(SceneMoment(SceneChanges(), view))
+                assert camera.tell(SceneMoment(SceneChanges(), view, 0.0))
                 assert (camera.is_newly_watched, wants_news()) == (False, True)
         until(lambda: not is_watched())
+
+
+def test_each_picture_of_a_stream_tells_when_the_world_was_like_that(world: str) -> None:
+    last = time.time()
+    with emulator(*FIT, "--world", world) as robots, closing(open_source(robots.robots[0]["camera_url"])) as source:
+        for _ in range(3):
+            taken = source.read().taken
+            assert taken is not None
+            assert last < taken <= time.time()
+            last = taken
 
 
 def test_first_picture_of_a_late_viewer_shows_where_the_robot_is_now(world: str) -> None:

@@ -36,7 +36,7 @@ class Served:
         def make() -> None:
             for picture in pictures:
                 self.feed.wait_for_viewers()
-                self.feed.put(picture)
+                self.feed.put(picture, 2.0)
 
         thread = threading.Thread(target=make)
         thread.start()
@@ -56,7 +56,7 @@ def served() -> Iterator[Served]:
 
 
 def test_single_picture_is_a_fresh_one(served: Served) -> None:
-    served.feed.put(b"old")
+    served.feed.put(b"old", 1.0)
     maker = served.shoot(b"new")
     with served.get("/image") as answer:
         assert answer.headers["Content-Type"] == "image/jpeg"
@@ -64,16 +64,14 @@ def test_single_picture_is_a_fresh_one(served: Served) -> None:
     join(maker)
 
 
-def test_video_is_a_part_for_each_picture_with_its_length(served: Served) -> None:
+def test_video_is_a_part_for_each_picture_with_its_length_and_time(served: Served) -> None:
     with served.get("/video") as answer:
         assert answer.headers["Content-Type"] == "multipart/x-mixed-replace; boundary=picture"
         for picture in (b"first", b"second"):
             served.feed.wait_for_viewers()
-            served.feed.put(picture)
-            part = b"--picture\r\nContent-Type: image/jpeg\r\nContent-Length: %d\r\n\r\n%s\r\n" % (
-                len(picture),
-                picture,
-            )
+            served.feed.put(picture, 1763812800.25)
+            head = b"--picture\r\nContent-Type: image/jpeg\r\nContent-Length: %d\r\n" % len(picture)
+            part = head + b"X-Timestamp: 1763812800.250000\r\n\r\n" + picture + b"\r\n"
             assert answer.read(len(part)) == part
 
 
@@ -95,7 +93,7 @@ def test_nobody_looks_when_the_viewer_has_gone(served: Served, until: Callable[.
     connection.close()
 
     def nobody_looks() -> bool:
-        served.feed.put(bytes(1 << 16))  # what nobody reads shows that nobody is there
+        served.feed.put(bytes(1 << 16), 3.0)  # what nobody reads shows that nobody is there
         waiter = threading.Thread(target=served.feed.wait_for_viewers, daemon=True)
         waiter.start()
         waiter.join(0.05)
