@@ -6,7 +6,7 @@ being the leg of a person. They begin high, and each view from another place add
 - its width: legs of tables and chairs are thinner than legs in trousers;
 - the second leg, which is within a stride: places where the laser sees through, or sees a wall, are not it. From one
   place the second leg may be hidden behind the first one; from two places it is not;
-- whether it is a part of an extended surface, as a door jamb is;
+- whether it is a part of an extended surface, as a door jamb is, or of a wall that was seen before;
 - motion, which is people's.
 
 Obstacle detecting publishes the discs, so goto, avoiding and path planning use the same ones.
@@ -30,7 +30,7 @@ from apps.indoor_navigation.algorithms.body_track import (
 from apps.indoor_navigation.algorithms.legs import MAX_STRIDE, Slender, slender
 from apps.indoor_navigation.algorithms.outline import Outline
 from apps.indoor_navigation.algorithms.rays import in_robot
-from apps.indoor_navigation.algorithms.scan_view import ScanView
+from apps.indoor_navigation.algorithms.scan_view import ScanView, WallsSeen
 from apps.indoor_navigation.data import Bools, Floats, LaserRead, Pose
 
 LEG_RADIUS = 0.1  # m; the least disc, of what the laser has seen
@@ -87,6 +87,7 @@ class BodyTracker:
 
     def __init__(self) -> None:
         self._tracks: list[BodyTrack] = []
+        self._walls = WallsSeen()
         self.bodies = Bodies.none()
 
     def see(self, scan: LaserRead, moved: tuple[Floats, Floats]) -> None:
@@ -95,6 +96,7 @@ class BodyTracker:
             return
         view = ScanView(scan)
         stamp = scan.stamp
+        self._walls.see(scan)
         self._tracks = [track for track in self._tracks if 0.0 <= stamp - track.seen_at < MEMORY_TIME]
         self._follow(view, slender(view), stamp)
         self._move(*moved, stamp)
@@ -158,6 +160,7 @@ class BodyTracker:
         squared = from_x * from_x + from_y * from_y
         is_there = ((squared < MAX_SHIFT * MAX_SHIFT) & view.hits).any(axis=1)
         is_part = ((squared < SURFACE_RANGE * SURFACE_RANGE) & view.extended).any(axis=1)
+        is_part |= self._walls.are_near(x, y, SURFACE_RANGE)
         # A new object at the same place replaces an older one.
         is_new = np.array([track.slender_at == stamp for track in self._tracks])
         is_near = (x[:, None] - x[is_new]) ** 2 + (y[:, None] - y[is_new]) ** 2 < MAX_STEP * MAX_STEP

@@ -1,6 +1,7 @@
 """What may be a leg, or has moved, is a body until it is seen to be something else."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from math import cos, pi, radians, sin
 
 import numpy as np
@@ -15,6 +16,7 @@ from apps.indoor_navigation.data import Floats, LaserRead, ObstRead
 from apps.indoor_navigation.parameters import shipped_parameters
 from geometry import Pose2D
 from tests.apps.indoor_navigation.closed_loop import ClosedLoop, Walker, box
+from tests.apps.indoor_navigation.planning.house import distances
 
 LEG, TABLE_LEG, POST = 0.07, 0.025, 0.08  # m, radii
 BODY = 0.25  # m, radius of the body that must not be touched
@@ -58,9 +60,20 @@ class Watch:
         """Return the bodies after a scan from each pose."""
         for pose in poses:
             self.time += 0.1
-            seen = scan(things, self.time, pose, wall)
-            self._tracker.see(seen, self._motion.look(seen))
+            self._take(scan(things, self.time, pose, wall))
         return self._tracker.bodies
+
+    def look_at(self, lines: Floats, *things: Round, poses: Sequence[Pose]) -> Bodies:
+        """Likewise where straight walls stand, too: x and y of both ends of each."""
+        for pose in poses:
+            self.time += 0.1
+            seen = scan(things, self.time, pose, wall=8.0)
+            angles = pose[2] + seen.angle_min + seen.angle_increment * np.arange(len(seen.ranges), dtype=np.float64)
+            self._take(replace(seen, ranges=np.minimum(seen.ranges, distances(*pose[:2], angles, lines, 8.0))))
+        return self._tracker.bodies
+
+    def _take(self, seen: LaserRead) -> None:
+        self._tracker.see(seen, self._motion.look(seen))
 
 
 def around(x: float, y: float, radius: float, turn: float, steps: int = 30) -> list[Pose]:
@@ -145,6 +158,29 @@ def test_what_stands_where_somebody_passes_by_has_not_moved() -> None:
     beside = np.hypot(bodies.x - 1.5, bodies.y) < 0.3
     assert len(bodies.x) > beside.sum() > 0
     assert not bodies.have_moved[beside].any()
+
+
+JAMB = np.array([(1.0, 0.6, 1.0, 3.0), (1.0, 0.6, 1.12, 0.6), (1.12, 0.6, 1.12, 3.0), (-4.0, 5.0, 6.0, 5.0)])
+FACING_THE_WALL, FACING_ITS_END = (0.0, 1.5, 0.0), (1.06, -1.0, pi / 2.0)
+AFTER_SOME_TIME = 40  # scans
+
+
+def test_the_end_of_a_wall_that_stands_alone_in_the_scan_may_be_a_leg() -> None:
+    assert len(Watch().look_at(JAMB, poses=[FACING_ITS_END] * AFTER_SOME_TIME).x) == 1
+
+
+def test_the_end_of_a_wall_that_was_seen_before_is_soon_known_to_be_none() -> None:
+    watch = Watch()
+    watch.look_at(JAMB, poses=[FACING_THE_WALL] * 3)
+    assert len(watch.look_at(JAMB, poses=[FACING_ITS_END] * AFTER_SOME_TIME).x) == 0
+
+
+@pytest.mark.parametrize("y", [0.0, 0.2])
+def test_who_stands_before_the_end_of_a_wall_that_was_seen_before_stays_a_body(y: float) -> None:
+    watch = Watch()
+    watch.look_at(JAMB, poses=[FACING_THE_WALL] * 3)
+    bodies = watch.look_at(JAMB, *person(1.06, y), poses=[FACING_ITS_END] * AFTER_SOME_TIME)
+    assert any(np.hypot(bodies.x - 1.06, bodies.y - y) < 0.1)
 
 
 def test_who_is_not_seen_there_any_more_has_gone() -> None:
