@@ -3,17 +3,17 @@
 import signal
 import subprocess
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager
 from pathlib import Path
 
 import pytest
 
 from tests.acromovi.team.running import RunningTeam, running
 from tests.apps.film_frames import frames_of
-from tests.apps.on_a_team import LITTLE, application, leading, step, wait_until_stand
-from tests.waiting import end_of, wait_until
+from tests.apps.on_a_team import behind_a_leader, wait_until_stand
+from tests.waiting import end_of
 
-GAP, TOO_FAR = 3.0, 5.0  # m between the robots at the beginning, and where the leader is hardly seen any more
+GAP = 3.0  # m between the robots at the beginning, more than the follower keeps
 TEAM = """\
 world = "empty"
 
@@ -39,29 +39,10 @@ def team(tmp_path_factory: pytest.TempPathFactory) -> Iterator[RunningTeam]:
         yield team
 
 
-@contextmanager
-def formation(team: RunningTeam, folder: Path) -> "Iterator[subprocess.Popen[str]]":
-    """Run the application until the block ends; the block begins behind a leader that another program drives.
-
-    The leader stands until the follower has found it and drives up to it. One that drove off before that would be too
-    far away to be seen when a busy machine has started the application at last, and the follower would stand for ever.
-    Likewise one that drives on while a busy machine stops the follower; it is put back before it.
-    """
-    both = ("happy", "doc")
-    for robot, x in ("doc", 0.0), ("happy", GAP):
-        team.emulator().ask("pose", robot=robot, x=x, y=0.0, heading=0.0)
-
-    def is_followed() -> bool:
-        where = {robot: team.emulator().ask("truth", robot=robot) for robot in both}
-        if where["happy"]["x"] - where["doc"]["x"] > TOO_FAR:
-            ahead = where["doc"]["x"] + GAP
-            team.emulator().ask("pose", robot="happy", x=ahead, y=where["doc"]["y"], heading=0.0)
-        return all(step(team, robot) > 5 * LITTLE for robot in both)
-
+def formation(team: RunningTeam, folder: Path) -> "AbstractContextManager[subprocess.Popen[str]]":
+    """Run the application until the block ends, behind a leader that another program drives."""
     words = ["formation", "leader=happy", "followers=doc", "shape=column", "poses=sight", "film=drive.gif"]
-    with application(team, folder, words, ["doc"]) as process, leading(team, "happy"):
-        wait_until(is_followed, "the leader is followed")
-        yield process
+    return behind_a_leader(team, folder, words, "doc", "happy", GAP)
 
 
 @pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGSTOP], ids=["killed", "frozen"])

@@ -5,15 +5,16 @@ import re
 import signal
 import subprocess
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager
 from pathlib import Path
 
 import pytest
 
 from tests.acromovi.team.running import RunningTeam, running
-from tests.apps.on_a_team import application, leading, wait_until_stand
+from tests.apps.on_a_team import behind_a_leader, wait_until_stand
 from tests.waiting import end_of, wait_until
 
+GAP = 2.0  # m between the robots at the beginning, more than the follower keeps
 FOLLOWING = ["robot_following", "robot=happy", "settings=mine.toml"]
 SETTINGS = "[camera]\nfield_of_view = 1.047  # a camera without a head does not report it\n"
 TEAM = """\
@@ -42,12 +43,10 @@ def team(tmp_path_factory: pytest.TempPathFactory) -> Iterator[RunningTeam]:
         yield team
 
 
-@contextmanager
-def following(team: RunningTeam, folder: Path, command: str = "run") -> "Iterator[subprocess.Popen[str]]":
+def following(team: RunningTeam, folder: Path, command: str = "run") -> "AbstractContextManager[subprocess.Popen[str]]":
     """Follow a leader that another program drives."""
     (folder / "mine.toml").write_text(SETTINGS)
-    with leading(team, "doc"), application(team, folder, FOLLOWING, ["happy"], command) as process:
-        yield process
+    return behind_a_leader(team, folder, FOLLOWING, "happy", "doc", GAP, command)
 
 
 def sees_its_leader(team: RunningTeam) -> bool:
