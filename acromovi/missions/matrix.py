@@ -3,10 +3,12 @@
 import math
 import multiprocessing
 import os
+import threading
 import traceback
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Generic, TypeVar
 
@@ -116,7 +118,7 @@ def play_all(
     """
     results: dict[int, Result[M]] = {}
     spawn = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(processes or os.cpu_count(), spawn, _be_one_core) as pool:
+    with ProcessPoolExecutor(processes or os.cpu_count(), spawn, _begin_process) as pool, _ended_at_once(pool):
         under_way = {pool.submit(play, job, instead): number for number, job in enumerate(jobs)}
         futures: Iterable[Future[Result[M]]] = as_completed(under_way)
         for future in futures:
@@ -129,7 +131,28 @@ def play_all(
     return [results[number] for number in range(len(jobs))]
 
 
-def _be_one_core() -> None:
-    """Each process has a core of its own: no threads of numpy's beside it."""
+@contextmanager
+def _ended_at_once(pool: ProcessPoolExecutor) -> Iterator[None]:
+    """End the processes of a pool where the block ends early, as by Ctrl-C; else it waits until all has been played."""
+    before = set(multiprocessing.active_children())
+    try:
+        yield
+    except BaseException:
+        pool.shutdown(wait=False, cancel_futures=True)
+        for process in set(multiprocessing.active_children()) - before:
+            process.kill()
+        raise
+
+
+def _begin_process() -> None:
+    """Let the process end with the one that began it, and use one core: no threads of numpy's beside it."""
+    threading.Thread(target=_end_with_parent, daemon=True).start()
     for library in ("OPENBLAS", "OMP", "MKL"):
         os.environ[f"{library}_NUM_THREADS"] = "1"
+
+
+def _end_with_parent() -> None:
+    parent = multiprocessing.parent_process()
+    assert parent is not None  # this process was begun by another one
+    parent.join()
+    os._exit(1)  # nobody is there to take what would be played

@@ -1,3 +1,6 @@
+import signal
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -7,6 +10,7 @@ from acromovi.missions.jobs import Case, Condition, Job
 from acromovi.missions.matrix import Result, play, play_all
 from acromovi.missions.page import page
 from acromovi.missions.task import Task
+from tests.waiting import end_of, exit_code, wait_until
 
 SHORT = Job.of(Case.ROOM, Condition.ERROR, 0)
 NOWHERE = Job.of(Case.ROOM, Condition.STATIC, 0, world="nowhere")
@@ -46,6 +50,27 @@ def test_same_mission_ends_the_same_in_another_process() -> None:
     here, (there,) = play(SHORT), play_all([SHORT], processes=1)
     assert here == there
     assert repr(here) == repr(there)
+
+
+def children(pid: int) -> list[str]:
+    return Path(f"/proc/{pid}/task/{pid}/children").read_text().split()
+
+
+def threads(pid: str) -> int:
+    return len(list(Path(f"/proc/{pid}/task").iterdir()))
+
+
+@pytest.mark.parametrize(("number", "code"), [(signal.SIGTERM, 143), (signal.SIGKILL, -signal.SIGKILL)])
+def test_when_the_command_ends_early_no_process_plays_on(number: signal.Signals, code: int, tmp_path: Path) -> None:
+    command = [sys.executable, "-m", "acromovi", "missions", "--fresh", "1", "--workers", "2", "--out", str(tmp_path)]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+        wait_until(lambda: len([child for child in children(process.pid) if threads(child) > 1]) == 2, "two play")
+        begun = children(process.pid)
+        process.send_signal(number)
+        assert exit_code(process) == code
+        wait_until(lambda: not any(Path(f"/proc/{child}").exists() for child in begun), "all have ended")
+        _, complaints = end_of(process)
+    assert "Traceback" not in complaints
 
 
 def test_smoke_missions_are_all_reached(capsys: pytest.CaptureFixture[str]) -> None:
