@@ -1,10 +1,9 @@
 """The floor plan of the console: from a team's world, a world file, or a map."""
 
-from concurrent.futures import ProcessPoolExecutor
 from math import radians
-from multiprocessing import get_context
 from pathlib import Path
 
+from acromovi.process_pool import process_pool
 from apps.console.floor import FloorPlan
 from configs.extras import require
 from configs.loader import ConfigError
@@ -58,7 +57,7 @@ def starts_of_team(team: str | None) -> dict[str, tuple[float, float, float]]:
 def _of_world(name: str) -> FloorPlan:
     """Read a world in a process of its own, since its reader loads the emulator's physics, which takes memory."""
     require("the walls of a world file", "emu")
-    with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as process:
+    with process_pool(1) as process:
         return process.submit(_read_world, name).result()
 
 

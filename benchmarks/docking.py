@@ -1,11 +1,10 @@
 """Docking from seeded starts in lockstep; writes docking.md."""
 
 import argparse
-import os
 from collections.abc import Sequence
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 
+from acromovi.process_pool import process_pool
 from apps.docking.cycle import DockingState
 from apps.docking.settings import DockingSettings
 from benchmarks.docking_course import MODELS, ROBOT, DockingCourse, docking_room
@@ -39,7 +38,7 @@ class DockingScore:
 def measure(options: argparse.Namespace) -> list[Figure]:
     """Dock from all starts, several at the same time, and judge by the truth."""
     options.out.mkdir(parents=True, exist_ok=True)
-    with ProcessPoolExecutor(os.cpu_count()) as pool:
+    with process_pool() as pool:
         scores = list(pool.map(dock, SEEDS))
     (options.out / "docking.md").write_text(page(scores), encoding="utf-8")
     return figures(scores)

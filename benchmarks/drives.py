@@ -3,10 +3,11 @@
 import argparse
 import os
 from collections.abc import Callable, Sequence
-from concurrent.futures import ProcessPoolExecutor
 from functools import partial
 from pathlib import Path
 from typing import TypeVar
+
+from acromovi.process_pool import process_pool
 
 Score = TypeVar("Score")
 
@@ -64,7 +65,7 @@ def drive_all(
     a module, or a `partial` of one.
     """
     scores = []
-    with ProcessPoolExecutor(options.jobs) as pool:
+    with process_pool(options.jobs) as pool:
         for score in pool.map(partial(_in_turn, drive, options.out, seeds[0]), seeds):
             print(f"     {row(score)}", flush=True)
             scores.append(score)

@@ -3,14 +3,14 @@
 import argparse
 import json
 import math
-import os
 import statistics
 from collections.abc import Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures import as_completed
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+from acromovi.process_pool import process_pool
 from benchmarks.figures import Figure, percentile
 from benchmarks.map_course import FloorJob, GoalScore, MapCondition, play_floor
 from p2os_emu.world import load_world
@@ -28,7 +28,7 @@ def measure(options: argparse.Namespace) -> list[Figure]:
     """Play all goals, several floors at the same time."""
     options.out.mkdir(parents=True, exist_ok=True)
     scores: list[GoalScore] = []
-    with ProcessPoolExecutor(os.cpu_count(), initializer=_be_one_core) as pool:
+    with process_pool() as pool:
         first = FIRST_SEED if options.first_seed is None else options.first_seed
         for future in as_completed([pool.submit(play_floor, job) for job in jobs(options.goals, first)]):
             scores += future.result()
@@ -111,9 +111,3 @@ def _print(job: FloorJob, scores: Sequence[GoalScore]) -> None:
     here = [score for score in scores if score.job == job]
     reached, touched = sum(s.is_reached for s in here), sum(bool(s.touched) for s in here)
     print(f"   {job.condition} {job.world} {job.seed}: {reached} of {len(here)}, {touched} with a contact", flush=True)
-
-
-def _be_one_core() -> None:
-    """Each process has a core of its own: no threads of numpy's beside it."""
-    for library in ("OPENBLAS", "OMP", "MKL"):
-        os.environ[f"{library}_NUM_THREADS"] = "1"

@@ -6,10 +6,8 @@ shorter patrols through which intruders walk.
 """
 
 import argparse
-import os
 import tempfile
 from collections.abc import Iterator, Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from itertools import pairwise
@@ -20,6 +18,7 @@ from typing import Any
 
 import numpy as np
 
+from acromovi.process_pool import process_pool
 from apps.surveillance.algorithms.floor import Floats, PatrolFloor
 from apps.surveillance.algorithms.neglect import NeglectLedger
 from apps.surveillance.algorithms.tours import best_cyclic_patrol
@@ -96,7 +95,7 @@ class PatrolPlace:
 def measure(options: argparse.Namespace) -> list[Figure]:
     """Patrol all floors, several at the same time."""
     options.out.mkdir(parents=True, exist_ok=True)
-    with ProcessPoolExecutor(os.cpu_count()) as pool:
+    with process_pool() as pool:
         hours = list(pool.map(hour, HOURS, [str(options.out)] * len(HOURS)))
         nights = list(pool.map(night, NIGHTS))
     (options.out / "surveillance.md").write_text(page(hours, nights), encoding="utf-8")

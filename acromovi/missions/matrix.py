@@ -1,14 +1,10 @@
 """Many missions, spread over the cores of this machine; each the same whenever it is played."""
 
 import math
-import multiprocessing
-import os
-import threading
 import traceback
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from concurrent.futures import Future, ProcessPoolExecutor, as_completed
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from concurrent.futures import Future, as_completed
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Generic, TypeVar
 
@@ -16,6 +12,7 @@ from acromovi.missions.course import Course
 from acromovi.missions.judge import CRUISING, MissionVerdict, judge
 from acromovi.missions.navigated_robot import Played
 from acromovi.missions.task import Mission, NoRoom, Task
+from acromovi.process_pool import process_pool
 from apps.indoor_navigation.component import Component
 from configs import ConfigError
 from geometry import Pose2D
@@ -117,8 +114,7 @@ def play_all(
         In the order of the jobs.
     """
     results: dict[int, Result[M]] = {}
-    spawn = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(processes or os.cpu_count(), spawn, _begin_process) as pool, _ended_at_once(pool):
+    with process_pool(processes) as pool:
         under_way = {pool.submit(play, job, instead): number for number, job in enumerate(jobs)}
         futures: Iterable[Future[Result[M]]] = as_completed(under_way)
         for future in futures:
@@ -129,30 +125,3 @@ def play_all(
                 results[number] = Result(jobs[number], error=f"the process that played it has died: {err}")
             on_result(results[number])
     return [results[number] for number in range(len(jobs))]
-
-
-@contextmanager
-def _ended_at_once(pool: ProcessPoolExecutor) -> Iterator[None]:
-    """End the processes of a pool where the block ends early, as by Ctrl-C; else it waits until all has been played."""
-    before = set(multiprocessing.active_children())
-    try:
-        yield
-    except BaseException:
-        pool.shutdown(wait=False, cancel_futures=True)
-        for process in set(multiprocessing.active_children()) - before:
-            process.kill()
-        raise
-
-
-def _begin_process() -> None:
-    """Let the process end with the one that began it, and use one core: no threads of numpy's beside it."""
-    threading.Thread(target=_end_with_parent, daemon=True).start()
-    for library in ("OPENBLAS", "OMP", "MKL"):
-        os.environ[f"{library}_NUM_THREADS"] = "1"
-
-
-def _end_with_parent() -> None:
-    parent = multiprocessing.parent_process()
-    assert parent is not None  # this process was begun by another one
-    parent.join()
-    os._exit(1)  # nobody is there to take what would be played
