@@ -15,11 +15,8 @@ def process_pool(count: int | None = None) -> Iterator[ProcessPoolExecutor]:
     The block waits for all of it. Where it ends early, as by Ctrl-C or SIGTERM, the processes are ended at once, and
     they end by themselves if this one is killed.
     """
-    for library in (
-        "OPENBLAS",
-        "OMP",
-        "MKL",
-    ):  # or numpy's linear algebra has a thread for each core spin in each process
+    # In each process, numpy's linear algebra would have a thread for each core spin.
+    for library in ("OPENBLAS", "OMP", "MKL"):
         os.environ.setdefault(f"{library}_NUM_THREADS", "1")
     spawn = multiprocessing.get_context("spawn")  # a copy of a process with threads may hang
     before = set(multiprocessing.active_children())

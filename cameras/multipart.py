@@ -10,6 +10,8 @@ from typing import NamedTuple
 
 MOST = 32 << 20
 """Bytes that one picture may have."""
+DIGITS = 20
+"""Of a length; Python refuses to read thousands of them."""
 _HEAD_END = b"\r\n\r\n"
 
 
@@ -84,7 +86,7 @@ class MultipartDecoder:
             return False
         values = _values(bytes(self._buffer[begin:end]))
         length = values.get(b"content-length", b"")
-        self._length = min(int(length), MOST + 1) if length.isdigit() else -1
+        self._length = min(int(length[:DIGITS]), MOST + 1) if length.isdigit() else -1
         self._taken = _seconds(values.get(b"x-timestamp", b""))
         del self._buffer[: end + len(_HEAD_END)]
         self._searched = 0

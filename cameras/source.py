@@ -102,6 +102,8 @@ class _UrlSource:
             self._connection.connect()
             assert self._connection.sock is not None  # connected
             self._socket = self._connection.sock
+            # The clock of another computer may be off by more than a picture is late.
+            self._is_here = ip_address(self._socket.getpeername()[0]).is_loopback
             self._connection.request("GET", url._replace(scheme="", netloc="").geturl() or "/", headers=_login(url))
             self._answer = self._connection.getresponse()
         except (OSError, HTTPException) as error:
@@ -115,8 +117,6 @@ class _UrlSource:
                 said += "; name or password is wrong, or the camera wants another login than Basic"
             raise CameraLost(f"{_shown(url.geturl())} is no stream of pictures: {said}")
         self._decoder = MultipartDecoder(boundary)
-        # The clock of another computer may be off by more than a picture is late.
-        self._is_here = ip_address(self._socket.getpeername()[0]).is_loopback
 
     def read(self) -> CameraPicture:
         """Wait for a picture."""

@@ -93,7 +93,7 @@ def _take(inbox: _SceneInbox, mirror: Mirror, last: SceneMoment | None) -> Scene
     """Update the mirror; return the present moment. Without news, the last one lasts."""
     moment = inbox.take()
     if moment is None:
-        return last and last._replace(time=time.time())
+        return None if last is None else last._replace(time=time.time())
     mirror.apply(moment.news)
     return moment
 

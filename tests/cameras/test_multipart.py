@@ -52,6 +52,12 @@ def test_a_time_that_is_none_is_ignored(time: bytes) -> None:
     assert picture.taken is None
 
 
+def test_a_length_of_thousands_of_digits_is_waited_for_like_any_other() -> None:
+    decoder = MultipartDecoder(b"frame")
+    assert decoder.receive(b"--frame\r\nContent-Length: %s\r\n\r\n" % (b"9" * 5000)) == []
+    assert decoder.receive(bytes(1000)) == []
+
+
 @given(st.lists(st.binary(max_size=60) | st.just(b"--frame\r\nContent-Length: 9\r\n\r\n"), max_size=20))
 def test_garbage_is_survived(pieces: list[bytes]) -> None:
     decoder = MultipartDecoder(b"frame")
