@@ -88,7 +88,7 @@ def test_a_picture_has_the_time_when_its_camera_took_it_however_late_it_comes(
     thread.close()
 
 
-@pytest.mark.parametrize("taken", [None, 4711.5, -1.0, time.time() + 1e6])
+@pytest.mark.parametrize("taken", [None, 4711.5, -1.0, 4e9])
 def test_a_picture_has_the_time_when_it_came_where_the_camera_does_not_tell_when_that_was(
     taken: float | None, until: Callable[..., None]
 ) -> None:
