@@ -15,10 +15,11 @@ from apps.indoor_navigation.data import Floats, Ints, Pose
 
 MAX_DISTANCE = 2.5  # m from the robot; goto and avoiding look no farther
 MEMORY_TIME = 60.0  # s for which something out of view is remembered
-MEMORY_RANGE = 1.2  # m from the sensors within which it is remembered: the longest robot and a little more
+MEMORY_RANGE = 1.2  # m from the sensors within which it must be then: the longest robot and a little more
+KEPT_RANGE = 2.5  # m from the sensors beyond which it is forgotten; a robot that backs up comes near to it again
 EDGE_RAYS = 2  # on either side of the scan; what they hit leaves the view next and must be remembered
 PLACE_SPACING = 0.025  # m between remembered places
-MAX_PLACES = 300
+MAX_PLACES = 400
 CELLS_A_ROW = 1 << 32  # more than any odom is wide, so a row and a column make one number
 
 
@@ -53,10 +54,11 @@ class Surroundings:
         x, y = self._last.end_x[is_sure], self._last.end_y[is_sure]
         x, y = np.concatenate((self._x, x)), np.concatenate((self._y, y))
         seen_at = np.concatenate((self._seen_at, np.full(len(x) - len(self._x), stamp)))
+        reach = np.where(np.arange(len(x)) < len(self._x), KEPT_RANGE, MEMORY_RANGE)
         is_kept = np.asarray((stamp - seen_at < MEMORY_TIME) & (stamp >= seen_at))
         if len(rays.end_x):
             middle = rays.origin_x.mean(), rays.origin_y.mean()
-            is_kept &= np.hypot(x - middle[0], y - middle[1]) < MEMORY_RANGE
+            is_kept &= np.hypot(x - middle[0], y - middle[1]) < reach
             x, y, seen_at = x[is_kept], y[is_kept], seen_at[is_kept]
             is_kept = ~(scanned.inner(EDGE_RAYS).are_in_view(x, y) if has_laser else rays.are_in_cone(x, y))
         chosen = _thinned(x, y, np.flatnonzero(is_kept))[-MAX_PLACES:]

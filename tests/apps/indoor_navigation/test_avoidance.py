@@ -301,6 +301,19 @@ def test_what_has_left_the_view_is_remembered_and_what_is_seen_through_is_not() 
     assert len(surroundings.places((0.0, 0.0, 0.0))[0]) == 0
 
 
+def test_what_was_beside_the_robot_is_remembered_when_it_backs_up_to_it_again() -> None:
+    surroundings = Surroundings()
+    ranges = np.full(361, 5.0)
+    ranges[:40] = 0.5  # to the right
+    for number, x in enumerate((0.0, 0.4, 0.8, 1.2, 1.6, 1.2, 0.8, 0.4)):
+        seen = ranges if number == 0 else np.full(361, 5.0)
+        surroundings.see(perceived_in(scan(seen, 0.1 * number, (x, 0.0, 0.0))))
+    assert len(surroundings.places((0.4, 0.0, 0.0))[0]) > 3
+    surroundings.see(perceived_in(scan(np.full(361, 5.0), 1.0, (3.0, 0.0, 0.0))))
+    surroundings.see(perceived_in(scan(np.full(361, 5.0), 1.1, (2.0, 0.0, 0.0))))
+    assert len(surroundings.places((0.4, 0.0, 0.0))[0]) == 0, "it was too far away meanwhile"
+
+
 def listened(stamp: float, x: float, *ranges: float) -> Perceived:
     """What two discs hear, ahead and to the left, of a robot that has driven so far."""
     headings, zeros = np.array([0.0, pi / 2.0]), np.zeros(2)
