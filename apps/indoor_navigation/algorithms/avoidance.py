@@ -126,18 +126,7 @@ def avoid(
     apart = outline.distance(*places)
     course = float(np.clip(angular / linear, -MAX_CURVATURE, MAX_CURVATURE)) if abs(linear) > STANDING else 0.0
     coming = parameters.walker if approach is None else approach
-    distances = outline.distances(_arc(course + COURSES, FORWARD_AND_BACK), *places)
-    way, way_back = _ways(distances, apart, parameters.margin)
-    on = safe_speed(way, parameters.deceleration, parameters.reaction + (0.0 if has_laser else parameters.echo_age))
-    back = safe_speed(way_back, parameters.deceleration, parameters.reaction)
-    if has_laser and on < CREEP_SPEED:
-        way, _ = _ways(distances, apart, parameters.close)
-        on = max(on, min(CREEP_SPEED, safe_speed(way, parameters.deceleration, parameters.reaction)))
-    if has_laser and back < CREEP_SPEED:
-        # Few sensors look behind the tail; what is beside its way back the robot has seen when it came.
-        is_behind = (places[0] < 0.0) & (np.abs(places[1]) < outline.width / 2.0)
-        _, way_back = _ways(distances, apart, np.where(is_behind, parameters.margin, parameters.close - SCATTER))
-        back = max(back, min(CREEP_SPEED, safe_speed(way_back, parameters.deceleration, parameters.reaction)))
+    on, back = _course_limits(parameters, outline, places, apart, course, has_laser=has_laser)
     limit = min(
         inf if has_laser else parameters.blind if had_laser else parameters.by_sonar,
         on,
@@ -164,6 +153,38 @@ def avoid(
     nearer = max(left, right)
     turn = parameters.push * (right - left) / nearer * briskness if nearer else 0.0
     return Push(min(linear, limit), turn, parameters.weight * abs(left - right) * briskness, *told)
+
+
+def _course_limits(
+    parameters: AvoidanceParameters,
+    outline: Outline,
+    places: tuple[Floats, Floats],
+    apart: Floats,
+    course: float,
+    *,
+    has_laser: bool,
+) -> tuple[float, float]:
+    """Return the speeds, m/s, from which the robot stops before obstacles on its course, forward and backward."""
+    distances = outline.distances(_arc(course + COURSES, FORWARD_AND_BACK), *places)
+
+    def speeds(margin: float | Floats, late: float = 0.0) -> tuple[float, float]:
+        """late: s by which readings ahead may be older."""
+        on, back = _ways(distances, apart, margin)
+        reaction = parameters.reaction
+        return (
+            safe_speed(on, parameters.deceleration, reaction + late),
+            safe_speed(back, parameters.deceleration, reaction),
+        )
+
+    on, back = speeds(parameters.margin, 0.0 if has_laser else parameters.echo_age)
+    if has_laser and on < CREEP_SPEED:
+        on = max(on, min(CREEP_SPEED, speeds(parameters.close)[0]))
+    if has_laser and back < CREEP_SPEED:
+        # Few sensors look behind the tail; what is beside its way back the robot has seen when it came.
+        is_behind = (places[0] < 0.0) & (np.abs(places[1]) < outline.width / 2.0)
+        margins = np.where(is_behind, parameters.margin, parameters.close - SCATTER)
+        back = max(back, min(CREEP_SPEED, speeds(margins)[1]))
+    return on, back
 
 
 def _within_sweep(

@@ -30,7 +30,8 @@ from apps.indoor_navigation.algorithms.body_track import (
 from apps.indoor_navigation.algorithms.legs import MAX_STRIDE, Slender, slender
 from apps.indoor_navigation.algorithms.outline import Outline
 from apps.indoor_navigation.algorithms.rays import in_robot
-from apps.indoor_navigation.algorithms.scan_view import ScanView, WallsSeen
+from apps.indoor_navigation.algorithms.scan_view import EXTENDED, ScanView
+from apps.indoor_navigation.algorithms.segments import WallsSeen
 from apps.indoor_navigation.data import Bools, Floats, LaserRead, Pose
 
 LEG_RADIUS = 0.1  # m; the least disc, of what the laser has seen
@@ -87,7 +88,7 @@ class BodyTracker:
 
     def __init__(self) -> None:
         self._tracks: list[BodyTrack] = []
-        self._walls = WallsSeen()
+        self._walls = WallsSeen(EXTENDED)
         self.bodies = Bodies.none()
 
     def see(self, scan: LaserRead, moved: tuple[Floats, Floats]) -> None:

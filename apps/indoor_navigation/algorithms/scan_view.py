@@ -1,20 +1,12 @@
-"""One scan in odom: what it shows at a place, and which hits belong to extended surfaces; and walls seen before it."""
-
-from math import hypot
+"""One scan in odom: what it shows at a place, and which of its hits belong to an extended surface."""
 
 import numpy as np
 
 from apps.indoor_navigation.algorithms.rays import in_odom
-from apps.indoor_navigation.algorithms.segments import Beams, find_segments
 from apps.indoor_navigation.data import Bools, Floats, Ints, LaserRead
 
 MIN_GAP = 0.25  # m of depth between neighbouring beams that hit different surfaces
 EXTENDED = 0.6  # m; two legs side by side reach less far
-
-# Walls that are remembered.
-STEP, INTERVAL = 0.2, 2.0  # m of motion of the scanner, or s, from one scan that is remembered to the next
-MEMORY_TIME = 60.0  # s
-MOST_WALLS = 400  # of the newest scans, some 10 m of way in a room
 
 
 class ScanView:
@@ -63,40 +55,3 @@ class ScanView:
         outermost, skipped = len(self.depths) - 1, round(edge / self.step)
         is_there = (beams >= skipped) & (beams <= outermost - skipped)
         return np.hypot(along, across), np.clip(beams, 0, outermost), is_there
-
-
-class WallsSeen:
-    """Straight segments in odom that were seen lately; each is longer than two legs side by side reach, m."""
-
-    def __init__(self) -> None:
-        self._ends = np.empty((4, 0))  # x and y of either end
-        self._stamps = np.empty(0)  # s
-        self._last = (np.inf, np.inf, -np.inf)  # place of the scanner and s
-
-    def see(self, scan: LaserRead) -> None:
-        """Take a scan."""
-        x, y, heading = in_odom(scan.pose, *scan.mount)
-        if hypot(x - self._last[0], y - self._last[1]) < STEP and 0.0 <= scan.stamp - self._last[2] < INTERVAL:
-            return
-        self._last = x, y, scan.stamp
-        is_fresh = (self._stamps <= scan.stamp) & (self._stamps > scan.stamp - MEMORY_TIME)
-        is_fresh[:-MOST_WALLS] = False
-        self._ends, self._stamps = self._ends[:, is_fresh], self._stamps[is_fresh]
-        found = find_segments(Beams.of(scan))
-        if found is None:
-            return
-        is_long = found.lengths >= EXTENDED
-        c, s = np.cos(heading), np.sin(heading)
-        (from_x, from_y), (to_x, to_y) = found.starts[:, is_long], found.ends[:, is_long]
-        new = x + c * from_x - s * from_y, y + s * from_x + c * from_y, x + c * to_x - s * to_y, y + s * to_x + c * to_y
-        self._ends = np.concatenate((self._ends, new), axis=1)
-        self._stamps = np.concatenate((self._stamps, np.full(int(is_long.sum()), scan.stamp)))
-
-    def are_near(self, x: Floats, y: Floats, distance: float) -> Bools:
-        """Return which places in odom are within m of a wall."""
-        from_x, from_y, to_x, to_y = self._ends
-        along_x, along_y = to_x - from_x, to_y - from_y
-        off_x, off_y = x[:, None] - from_x, y[:, None] - from_y
-        part = np.clip((off_x * along_x + off_y * along_y) / (along_x**2 + along_y**2), 0.0, 1.0)
-        squared = (off_x - part * along_x) ** 2 + (off_y - part * along_y) ** 2
-        return np.asarray((squared < distance * distance).any(axis=1))

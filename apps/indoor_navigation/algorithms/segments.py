@@ -1,4 +1,4 @@
-"""Straight segments in a laser scan, in the scanner's frame.
+"""Straight segments in a laser scan, in the scanner's frame, and those of the scans before, in odom.
 
 Split and merge: beams are split where one is much longer than its neighbour, and then at the point that is farthest
 from the line between the ends of its part, until no point is too far. All parts are processed at once, so a scan takes
@@ -7,10 +7,11 @@ a few dozen calls of numpy for any number of segments.
 
 from dataclasses import dataclass
 from functools import lru_cache
-from math import inf, tau
+from math import hypot, inf, tau
 
 import numpy as np
 
+from apps.indoor_navigation.algorithms.rays import in_odom
 from apps.indoor_navigation.data import Bools, Floats, Ints, LaserRead
 
 MIN_RANGE = 0.02  # m; a shorter range is not an echo
@@ -20,6 +21,11 @@ MAX_OFFSET = 0.045  # m of a point from the line between the ends of its part; n
 MAX_ROUNDS = 8  # of splitting, enough for 256 segments on one surface
 MIN_POINTS = 3  # of a segment
 MAX_SPREAD = 0.03  # m, root mean square of the distances of a segment's points from its line
+
+# Walls that are remembered.
+WALL_STEP, WALL_INTERVAL = 0.2, 2.0  # m of motion of the scanner, or s, from one scan that is remembered to the next
+WALL_TIME = 60.0  # s
+MOST_WALLS = 400  # of the newest scans, some 10 m of way in a room
 
 
 @dataclass(frozen=True, slots=True)
@@ -156,3 +162,45 @@ def _part(points: Floats, starts: Ints) -> Ints:
             break
         starts = np.sort(np.concatenate((starts, more)))
     return starts
+
+
+class WallsSeen:
+    """Long segments in odom, m, that were seen lately: for what is seen of a wall when the rest is out of view."""
+
+    def __init__(self, shortest: float) -> None:
+        """shortest: m, of a segment that is remembered."""
+        self._shortest = shortest
+        self._ends = np.empty((4, 0))  # x and y of either end
+        self._stamps = np.empty(0)  # s
+        self._last = (np.inf, np.inf, -np.inf)  # place of the scanner and s
+
+    def see(self, scan: LaserRead) -> None:
+        """Take a scan."""
+        x, y, heading = in_odom(scan.pose, *scan.mount)
+        if (
+            hypot(x - self._last[0], y - self._last[1]) < WALL_STEP
+            and 0.0 <= scan.stamp - self._last[2] < WALL_INTERVAL
+        ):
+            return
+        self._last = x, y, scan.stamp
+        is_fresh = (self._stamps <= scan.stamp) & (self._stamps > scan.stamp - WALL_TIME)
+        is_fresh[:-MOST_WALLS] = False
+        self._ends, self._stamps = self._ends[:, is_fresh], self._stamps[is_fresh]
+        found = find_segments(Beams.of(scan))
+        if found is None:
+            return
+        is_long = found.lengths >= self._shortest
+        c, s = np.cos(heading), np.sin(heading)
+        (from_x, from_y), (to_x, to_y) = found.starts[:, is_long], found.ends[:, is_long]
+        new = x + c * from_x - s * from_y, y + s * from_x + c * from_y, x + c * to_x - s * to_y, y + s * to_x + c * to_y
+        self._ends = np.concatenate((self._ends, new), axis=1)
+        self._stamps = np.concatenate((self._stamps, np.full(int(is_long.sum()), scan.stamp)))
+
+    def are_near(self, x: Floats, y: Floats, distance: float) -> Bools:
+        """Return which places in odom are within m of a segment."""
+        from_x, from_y, to_x, to_y = self._ends
+        along_x, along_y = to_x - from_x, to_y - from_y
+        off_x, off_y = x[:, None] - from_x, y[:, None] - from_y
+        part = np.clip((off_x * along_x + off_y * along_y) / (along_x**2 + along_y**2), 0.0, 1.0)
+        squared = (off_x - part * along_x) ** 2 + (off_y - part * along_y) ** 2
+        return np.asarray((squared < distance * distance).any(axis=1))

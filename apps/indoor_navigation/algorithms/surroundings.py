@@ -16,7 +16,9 @@ from apps.indoor_navigation.data import Floats, Ints, Pose
 MAX_DISTANCE = 2.5  # m from the robot; goto and avoiding look no farther
 MEMORY_TIME = 60.0  # s for which something out of view is remembered
 MEMORY_RANGE = 1.2  # m from the sensors within which it must be then: the longest robot and a little more
-KEPT_RANGE = 2.5  # m from the sensors beyond which it is forgotten; a robot that backs up comes near to it again
+KEPT_RANGE = (
+    MAX_DISTANCE  # from the sensors, beyond which it is forgotten; a robot that backs up comes near to it again
+)
 EDGE_RAYS = 2  # on either side of the scan; what they hit leaves the view next and must be remembered
 PLACE_SPACING = 0.025  # m between remembered places
 MAX_PLACES = 400
