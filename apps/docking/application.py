@@ -20,6 +20,7 @@ _WATCH_PERIOD = 2.0  # s between two looks at the battery
 _MISSION_TIME = 3600.0  # s; a mission of the navigation ends by itself long before
 _ANSWER_TIME = 1.0  # s for a reading; without it the robot stands
 _RETURN_TIME = 10.0  # s that the robot may refuse to drive, since another program has the lease
+_AWAY_TIME = 20.0  # s that a sensor's agent may be away, as while a device is connected again on a loaded machine
 _STATE = ["has not begun"]  # what it does, in words
 
 
@@ -102,6 +103,7 @@ class _Docking:
         self._told = ""
         self._contact = False
         self._obeyed_at = time.monotonic()  # when the robot last did as it was told
+        self._away_since: float | None = None  # s since the begin; None while the agents of all sensors are there
 
     def dock(self, dock: DockPlace, priority: int | None = None) -> None:
         """Drive onto a dock and begin to charge.
@@ -159,10 +161,11 @@ class _Docking:
 
     def _run(self, cycle: DockingCycle) -> None:
         self._obeyed_at = time.monotonic()
+        self._away_since = None
         next_report = self.settings.report_s
         try:
             for now in self._team.every(self.settings.period_s):
-                orders = self._step(cycle)
+                orders = self._step(cycle, now)
                 if orders is not None and (orders.changed or now >= next_report):
                     self._tell(f"{orders.state}: {orders.reason}")
                     next_report = now + self.settings.report_s
@@ -174,9 +177,13 @@ class _Docking:
         if cycle.state is DockingState.GIVEN_UP:
             raise RobotError(f"{self.robot.name} has given up: {cycle.reason}")
 
-    def _step(self, cycle: DockingCycle) -> DockingOrders | None:
-        """Read, decide and drive; returns what was decided, None where the robot does not answer and so stands."""
-        robot = self.robot
+    def _step(self, cycle: DockingCycle, now: float) -> DockingOrders | None:
+        """Read, decide and drive; returns what was decided, None where the robot does not answer and so stands.
+
+        Raises:
+            RobotError: The base is away, after which odometry may begin elsewhere, or another element for too long.
+        """
+        robot, base = self.robot, None
         try:
             base = robot.base.read(within=_ANSWER_TIME)
             if self._laser is not None:
@@ -187,12 +194,15 @@ class _Docking:
                 bumpers = self._bumpers.read(within=_ANSWER_TIME)
                 self._contact |= bumpers.pressed or bumpers.stall_left or bumpers.stall_right
             charging = robot.battery.read(within=_ANSWER_TIME).charging
-        except NotThere as err:
-            raise RobotError(f"{robot.name} is lost while it docks: {err}") from err
         except RobotError as err:
+            if isinstance(err, NotThere):
+                self._away_since = now if self._away_since is None else self._away_since
+                if base is None or now - self._away_since > _AWAY_TIME:
+                    raise RobotError(f"{robot.name} is lost while it docks: {err}") from err
             self._tell(f"stands: {err}")
             robot.base.drive(0.0, 0.0)
             return None
+        self._away_since = None
         orders = cycle.step(base.stamp, base.pose, charging=charging, contact=self._contact)
         self._contact = False
         if orders.contacts is not None:

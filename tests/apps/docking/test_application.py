@@ -1,13 +1,14 @@
 """The application on a robot that is played: how it reads, and that it stands while a reading does not come."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from types import SimpleNamespace
 from typing import Any, cast
 
 import pytest
 
-from agents import NotThere, Robot, Team, TimedOut
+from agents import NotThere, Robot, RobotError, Team, TimedOut
 from apps.docking.application import main
+from apps.docking.settings import DockingSettings
 from geometry import Pose2D
 
 READINGS: dict[str, dict[str, Any]] = {
@@ -19,19 +20,19 @@ READINGS: dict[str, dict[str, Any]] = {
 
 
 class PlayedElement:
-    """An element. reads: how long each reading was waited for. is_silent: no reading comes. driven: m/s and rad/s."""
+    """An element. reads: for how long each reading was waited. failure: what reading it raises. driven: m/s, rad/s."""
 
     def __init__(self, name: str) -> None:
         self.properties = {"geometry": {"length_front": 0.37, "width": 0.68}}
         self.reads: list[float | None] = []
-        self.is_silent = False
+        self.failure: RobotError | None = None
         self.driven: list[tuple[float, float]] = []
         self._name = name
 
     def read(self, within: float | None = None) -> Any:
         self.reads.append(within)
-        if self.is_silent:
-            raise TimedOut(f"read: {self._name} does not answer within {within} s")
+        if self.failure is not None:
+            raise self.failure
         return SimpleNamespace(pose=Pose2D(), **READINGS[self._name])
 
     def drive(self, linear: float, angular: float) -> None:
@@ -60,12 +61,14 @@ class PlayedRobot:
 class PlayedTeam:
     """A team of that robot; its program has so many steps, and no navigation runs.
 
-    silent: an element of which no reading comes in the second step.
+    failing: an element of which no reading comes. failure: what reading it raises. failures: in which steps.
     """
 
-    def __init__(self, steps: int, silent: str = "") -> None:
+    def __init__(
+        self, steps: int, failing: str = "", failure: RobotError | None = None, failures: range = range(1, 2)
+    ) -> None:
         self.max = PlayedRobot()
-        self._steps, self._silent = steps, silent
+        self._steps, self._failing, self._failure, self._failures = steps, failing, failure, failures
 
     def robot(self, name: str, having: tuple[str, ...] = ()) -> Robot:
         return cast(Robot, self.max)
@@ -76,7 +79,7 @@ class PlayedTeam:
     def every(self, period: float) -> Iterator[float]:
         for step in range(self._steps):
             for name, part in self.max.parts.items():
-                part.is_silent = name == self._silent and step == 1
+                part.failure = self._failure if name == self._failing and step in self._failures else None
             yield step * period
 
 
@@ -102,10 +105,34 @@ def test_elements_are_searched_for_before_the_first_step_only() -> None:
     assert searched[0] == searched[1]
 
 
-@pytest.mark.parametrize("element", ["base", "bumpers", "battery"])
-def test_the_robot_stands_while_a_reading_does_not_come(element: str) -> None:
-    team = PlayedTeam(steps=3, silent=element)
+def late(element: str) -> RobotError:
+    return TimedOut(f"read: {element} does not answer within 1 s")
+
+
+def away(element: str) -> RobotError:
+    return NotThere(f"nobody answers as {element}@max")
+
+
+@pytest.mark.parametrize(
+    ("element", "failure"),
+    [("base", late), ("bumpers", late), ("battery", late), ("bumpers", away), ("battery", away)],
+)
+def test_the_robot_stands_while_a_reading_does_not_come(element: str, failure: Callable[[str], RobotError]) -> None:
+    team = PlayedTeam(3, element, failure(element))
     dock(team)
     driven = team.max.parts["base"].driven
     assert driven[1] == (0.0, 0.0)
     assert driven[2] != (0.0, 0.0)
+
+
+def test_a_sensor_that_has_not_come_back_in_20_s_ends_it() -> None:
+    period = DockingSettings.load().period_s
+    most = round(20.0 / period)
+    dock(PlayedTeam(most + 10, "battery", away("battery"), range(5, most)))
+    with pytest.raises(RobotError, match="max is lost while it docks: nobody answers as battery@max"):
+        dock(PlayedTeam(most + 10, "battery", away("battery"), range(5, most + 10)))
+
+
+def test_a_base_that_was_away_ends_it_at_once_since_its_odometry_may_have_begun_anew() -> None:
+    with pytest.raises(RobotError, match="max is lost while it docks: nobody answers as base@max"):
+        dock(PlayedTeam(3, "base", away("base")))
