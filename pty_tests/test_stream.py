@@ -40,11 +40,17 @@ def types(heard: list[Heard]) -> list[int]:
 def test_sips_come_at_the_cycle_the_robot_names(robot: Client) -> None:
     cycle = configuration_of(robot)["sip_cycle"]
     assert isinstance(cycle, int)
-    heard = [item.at for item in robot.record(21) if Sip.is_one(item.payload)]
     # Twenty cycles: late ones are made up for, so the mean holds where a single gap may not; or, where the computer was
-    # busy for a while and the robot is an emulated one, the median.
-    typical = (heard[-1] - heard[0]) / 20, median(after - before for before, after in pairwise(heard))
-    assert pytest.approx(cycle / 1000, rel=0.2) in typical
+    # busy for a while and the robot is an emulated one, the median. One that has just made up for more than that is
+    # looked at again; a robot with another cycle never sends them so.
+    typical: list[tuple[float, float]] = []
+    for _ in range(5):
+        heard = [item.at for item in robot.record(21) if Sip.is_one(item.payload)]
+        mean, middle = (heard[-1] - heard[0]) / 20, median(after - before for before, after in pairwise(heard))
+        typical.append((mean, middle))
+        if pytest.approx(cycle / 1000, rel=0.2) in typical[-1]:
+            return
+    pytest.fail(f"mean and median of twenty cycles, {typical} s, are not {cycle / 1000} s")
 
 
 def test_every_sip_has_the_length_of_its_firmware_family(robot: Client, firmware: Firmware) -> None:
