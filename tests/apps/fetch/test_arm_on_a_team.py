@@ -15,7 +15,8 @@ from tests.shown import files
 from tests.waiting import end_of, wait_until
 
 RUN = ("fetch", "robot=max", "place=[1.0,1.5]")
-PATIENT = "[grip]\nwait_s = 240.0\n"  # a busy emulator loses time, so the arm is slow by the clock of the application
+# A busy emulator loses time and images, so robot and arm are slow by the clock of the application.
+PATIENT = "[grip]\nwait_s = 240.0\n[drive]\nstuck_s = 240.0\n[search]\ngive_up_s = 2400.0\n"
 STILL = 0.003  # rad/s; slower, a joint stands
 MOVING = 0.1  # rad/s
 
