@@ -17,7 +17,8 @@ from typing import Any
 
 DEADLINE = 20.0  # s; starting a process and meeting it on the bus takes 2 s, and only a failing test waits so long
 SLOWEST = 10.0  # times; what has not happened by then does not happen
-PAUSE = 0.002  # s between two looks
+PAUSE, LONGEST_PAUSE = 0.002, 0.02  # s between two looks
+SHARE = 0.05  # of the time waited so far, that a pause takes: looking costs the processor time that is waited for
 SUM = range(400_000)  # what is added up to find out how fast the processor is
 REFERENCE = 0.006  # s of processor time that this takes on the machine for which the deadlines were chosen
 PROBE = 20  # such sums in a row to find out how much of a processor one thread gets: 0.1 s, many turns of the scheduler
@@ -43,10 +44,14 @@ class Deadline:
             self._end = max(self._end, self._begun + self.seconds * max(slowness(), _crowding()))
         return not self.left
 
+    @property
+    def waited(self) -> float:
+        """s since the begin."""
+        return time.monotonic() - self._begun
+
     def in_words(self, what: str) -> str:
         """What a failing test complains of."""
-        waited = time.monotonic() - self._begun
-        return f"waited {waited:.0f} s in vain until {what} ({self.seconds:g} s on an idle machine)"
+        return f"waited {self.waited:.0f} s in vain until {what} ({self.seconds:g} s on an idle machine)"
 
 
 def wait_until(condition: Callable[[], object], what: str = "it happened", seconds: float = DEADLINE) -> None:
@@ -60,7 +65,7 @@ def wait_until(condition: Callable[[], object], what: str = "it happened", secon
     deadline = Deadline(seconds)
     while not condition():
         assert not deadline.has_passed(), deadline.in_words(what)
-        time.sleep(PAUSE)
+        time.sleep(min(max(SHARE * deadline.waited, PAUSE), LONGEST_PAUSE))
 
 
 @asynccontextmanager
