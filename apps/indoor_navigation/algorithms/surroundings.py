@@ -16,9 +16,9 @@ from apps.indoor_navigation.data import Floats, Ints, Pose
 MAX_DISTANCE = 2.5  # m from the robot; goto and avoiding look no farther
 MEMORY_TIME = 60.0  # s for which something out of view is remembered
 MEMORY_RANGE = 1.2  # m from the sensors within which it must be then: the longest robot and a little more
-KEPT_RANGE = (
-    MAX_DISTANCE  # from the sensors, beyond which it is forgotten; a robot that backs up comes near to it again
-)
+# m from the sensors, beyond which what a scanner saw is forgotten; a robot that backs up comes near to it again. Places
+# of echoes are not so exact that they are worth it: those of people who pass bar the way.
+KEPT_RANGE = MAX_DISTANCE
 EDGE_RAYS = 2  # on either side of the scan; what they hit leaves the view next and must be remembered
 PLACE_SPACING = 0.025  # m between remembered places
 MAX_PLACES = 400
@@ -56,7 +56,9 @@ class Surroundings:
         x, y = self._last.end_x[is_sure], self._last.end_y[is_sure]
         x, y = np.concatenate((self._x, x)), np.concatenate((self._y, y))
         seen_at = np.concatenate((self._seen_at, np.full(len(x) - len(self._x), stamp)))
-        reach = np.where(np.arange(len(x)) < len(self._x), KEPT_RANGE, MEMORY_RANGE)
+        reach = np.full(len(x), MEMORY_RANGE)
+        if has_laser:
+            reach[: len(self._x)] = KEPT_RANGE
         is_kept = np.asarray((stamp - seen_at < MEMORY_TIME) & (stamp >= seen_at))
         if len(rays.end_x):
             middle = rays.origin_x.mean(), rays.origin_y.mean()
