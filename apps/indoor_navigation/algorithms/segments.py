@@ -25,7 +25,11 @@ MAX_SPREAD = 0.03  # m, root mean square of the distances of a segment's points 
 # Walls that are remembered.
 WALL_STEP, WALL_INTERVAL = 0.2, 2.0  # m of motion of the scanner, or s, from one scan that is remembered to the next
 WALL_TIME = 60.0  # s
-MOST_WALLS = 400  # of the newest scans, some 10 m of way in a room
+MOST_WALLS = 600  # of the newest scans, some 10 m of way in a room
+# A face of a box: two legs look as straight from one place in up to 10 of 100 views, and from two in less than 1.
+FACE, FACE_BEAMS, FACE_SPREAD = 0.3, 8, 0.016  # m; beams; m, root mean square of the distances from its line
+OTHER_SIDE = 0.4  # rad between two directions from which the same face is seen
+SAME_LINE, SAME_PART = 0.04, 0.25  # m beside the face that was seen before, and along it
 
 
 @dataclass(frozen=True, slots=True)
@@ -165,13 +169,18 @@ def _part(points: Floats, starts: Ints) -> Ints:
 
 
 class WallsSeen:
-    """Long segments in odom, m, that were seen lately: for what is seen of a wall when the rest is out of view."""
+    """Straight surfaces in odom that were seen lately: for what is seen of a wall or a box when the rest is hidden.
+
+    They are long segments, and faces of which the same part was seen from two directions.
+    """
 
     def __init__(self, shortest: float) -> None:
-        """shortest: m, of a segment that is remembered."""
+        """shortest: m, of a segment that is a surface wherever it is seen from."""
         self._shortest = shortest
-        self._ends = np.empty((4, 0))  # x and y of either end
+        self._ends = np.empty((4, 0))  # x and y of either end, m
         self._stamps = np.empty(0)  # s
+        self._seen_from = np.empty(0)  # direction to the scanner, rad
+        self._is_sure = np.empty(0, bool)
         self._last = (np.inf, np.inf, -np.inf)  # place of the scanner and s
 
     def see(self, scan: LaserRead) -> None:
@@ -186,21 +195,45 @@ class WallsSeen:
         is_fresh = (self._stamps <= scan.stamp) & (self._stamps > scan.stamp - WALL_TIME)
         is_fresh[:-MOST_WALLS] = False
         self._ends, self._stamps = self._ends[:, is_fresh], self._stamps[is_fresh]
+        self._seen_from, self._is_sure = self._seen_from[is_fresh], self._is_sure[is_fresh]
         found = find_segments(Beams.of(scan))
         if found is None:
             return
         is_long = found.lengths >= self._shortest
+        is_face = (found.lengths >= FACE) & (found.last - found.first + 1 >= FACE_BEAMS)
+        is_face &= fit(found.moments)[2] < FACE_SPREAD
+        chosen = is_long | is_face
         c, s = np.cos(heading), np.sin(heading)
-        (from_x, from_y), (to_x, to_y) = found.starts[:, is_long], found.ends[:, is_long]
-        new = x + c * from_x - s * from_y, y + s * from_x + c * from_y, x + c * to_x - s * to_y, y + s * to_x + c * to_y
+        (from_x, from_y), (to_x, to_y) = found.starts[:, chosen], found.ends[:, chosen]
+        new = np.array(
+            (x + c * from_x - s * from_y, y + s * from_x + c * from_y, x + c * to_x - s * to_y, y + s * to_x + c * to_y)
+        )
+        seen_from = np.arctan2(y - (new[1] + new[3]) / 2.0, x - (new[0] + new[2]) / 2.0)
+        again = self._same(new) & (np.cos(seen_from[:, None] - self._seen_from) < np.cos(OTHER_SIDE))
+        self._is_sure |= again.any(axis=0)
+        self._is_sure = np.concatenate((self._is_sure, is_long[chosen] | again.any(axis=1)))
         self._ends = np.concatenate((self._ends, new), axis=1)
-        self._stamps = np.concatenate((self._stamps, np.full(int(is_long.sum()), scan.stamp)))
+        self._stamps = np.concatenate((self._stamps, np.full(new.shape[1], scan.stamp)))
+        self._seen_from = np.concatenate((self._seen_from, seen_from))
 
     def are_near(self, x: Floats, y: Floats, distance: float) -> Bools:
-        """Return which places in odom are within m of a segment."""
-        from_x, from_y, to_x, to_y = self._ends
+        """Return which places in odom are within m of a surface."""
+        from_x, from_y, to_x, to_y = self._ends[:, self._is_sure]
         along_x, along_y = to_x - from_x, to_y - from_y
         off_x, off_y = x[:, None] - from_x, y[:, None] - from_y
         part = np.clip((off_x * along_x + off_y * along_y) / (along_x**2 + along_y**2), 0.0, 1.0)
         squared = (off_x - part * along_x) ** 2 + (off_y - part * along_y) ** 2
         return np.asarray((squared < distance * distance).any(axis=1))
+
+    def _same(self, new: Floats) -> Bools:
+        """Return which of some segments, in rows, show the same part of which of those before, in columns."""
+        from_x, from_y, to_x, to_y = self._ends
+        length = np.hypot(to_x - from_x, to_y - from_y)
+        along_x, along_y = (to_x - from_x) / length, (to_y - from_y) / length
+        along, aside = [], []
+        for x, y in (new[:2], new[2:]):
+            off_x, off_y = x[:, None] - from_x, y[:, None] - from_y
+            along.append(off_x * along_x + off_y * along_y)
+            aside.append(np.abs(off_x * along_y - off_y * along_x))
+        overlap = np.minimum(np.maximum(*along), length) - np.maximum(np.minimum(*along), 0.0)
+        return np.asarray((np.maximum(*aside) <= SAME_LINE) & (overlap >= SAME_PART))

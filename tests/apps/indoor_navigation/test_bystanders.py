@@ -183,6 +183,23 @@ def test_who_stands_before_the_end_of_a_wall_that_was_seen_before_stays_a_body(y
     assert any(np.hypot(bodies.x - 1.06, bodies.y - y) < 0.1)
 
 
+# As deep as a wall's end is wide, and 0.45 m long: from one side it looks as slender as a leg.
+CABINET = np.array([(1.0, 0.6, 1.2, 0.6), (1.2, 0.6, 1.2, 1.05), (1.2, 1.05, 1.0, 1.05), (1.0, 1.05, 1.0, 0.6)])
+FACING_ITS_FRONT, FACING_IT_FROM_ELSEWHERE = (0.0, 0.82, 0.0), (0.3, 0.1, pi / 4.0)
+FACING_ITS_SIDE = (1.1, -1.0, pi / 2.0)
+
+
+@pytest.mark.parametrize(
+    ("seen_before", "bodies"),
+    [([FACING_ITS_FRONT, FACING_IT_FROM_ELSEWHERE], 0), ([FACING_ITS_FRONT] * 2, 1)],
+    ids=["from two places", "from one"],
+)
+def test_the_side_of_a_box_is_no_leg_where_its_front_was_seen(seen_before: list[Pose], bodies: int) -> None:
+    watch = Watch()
+    watch.look_at(CABINET, poses=seen_before)
+    assert len(watch.look_at(CABINET, poses=[FACING_ITS_SIDE] * AFTER_SOME_TIME).x) == bodies
+
+
 def test_who_is_not_seen_there_any_more_has_gone() -> None:
     watch = Watch()
     assert len(watch.look(*person(1.5, 0.0)).x) == 1
