@@ -30,7 +30,7 @@ class CommandParser(argparse.ArgumentParser):
         finally:
             self._is_mixing = False
 
-    def parse_args(  # type: ignore[override]  # as above
+    def parse_args(  # type: ignore[override]  # the overloads of the base class say no more than this
         self, args: Sequence[str] | None = None, namespace: Any = None
     ) -> Any:
         """Parse the whole command line; an unknown argument ends the program with a suggestion and exit code 2."""

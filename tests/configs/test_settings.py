@@ -34,7 +34,7 @@ def test_changes_of_a_file_and_of_a_table_are_laid_over_what_is_shipped(
     own = tmp_path / "own.toml"
     own.write_text("slow = 0.2\n", encoding="utf-8")
     assert kind.load() == kind(0.5, 1.0)  # type: ignore[call-arg]  # the fields are those of the class above
-    assert kind.load(own, {"fast": 3}) == kind(0.2, 3.0)  # type: ignore[call-arg]  # likewise
+    assert kind.load(own, {"fast": 3}) == kind(0.2, 3.0)  # type: ignore[call-arg]  # the fields are those of the class above
 
 
 @pytest.mark.parametrize(
