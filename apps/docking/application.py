@@ -1,5 +1,6 @@
 """The application: a robot drives onto its dock, at once or when its battery is low, and answers requests."""
 
+import math
 import time
 from collections.abc import Callable
 from contextlib import nullcontext, suppress
@@ -103,7 +104,7 @@ class _Docking:
         self._told = ""
         self._contact = False
         self._obeyed_at = time.monotonic()  # when the robot last did as it was told
-        self._away_since: float | None = None  # s since the begin; None while the agents of all sensors are there
+        self._away_since = math.inf  # s of the present run; infinite while the agents of all sensors are there
 
     def dock(self, dock: DockPlace, priority: int | None = None) -> None:
         """Drive onto a dock and begin to charge.
@@ -161,7 +162,7 @@ class _Docking:
 
     def _run(self, cycle: DockingCycle) -> None:
         self._obeyed_at = time.monotonic()
-        self._away_since = None
+        self._away_since = math.inf
         next_report = self.settings.report_s
         try:
             for now in self._team.every(self.settings.period_s):
@@ -196,13 +197,13 @@ class _Docking:
             charging = robot.battery.read(within=_ANSWER_TIME).charging
         except RobotError as err:
             if isinstance(err, NotThere):
-                self._away_since = now if self._away_since is None else self._away_since
+                self._away_since = min(self._away_since, now)
                 if base is None or now - self._away_since > _AWAY_TIME:
                     raise RobotError(f"{robot.name} is lost while it docks: {err}") from err
             self._tell(f"stands: {err}")
             robot.base.drive(0.0, 0.0)
             return None
-        self._away_since = None
+        self._away_since = math.inf
         orders = cycle.step(base.stamp, base.pose, charging=charging, contact=self._contact)
         self._contact = False
         if orders.contacts is not None:

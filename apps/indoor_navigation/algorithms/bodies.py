@@ -31,7 +31,7 @@ from apps.indoor_navigation.algorithms.legs import MAX_STRIDE, Slender, slender
 from apps.indoor_navigation.algorithms.outline import Outline
 from apps.indoor_navigation.algorithms.rays import in_robot
 from apps.indoor_navigation.algorithms.scan_view import EXTENDED, ScanView
-from apps.indoor_navigation.algorithms.segments import WallsSeen
+from apps.indoor_navigation.algorithms.segments import SurfacesSeen
 from apps.indoor_navigation.data import Bools, Floats, LaserRead, Pose
 
 LEG_RADIUS = 0.1  # m; the least disc, of what the laser has seen
@@ -88,7 +88,7 @@ class BodyTracker:
 
     def __init__(self) -> None:
         self._tracks: list[BodyTrack] = []
-        self._walls = WallsSeen(EXTENDED)
+        self._surfaces = SurfacesSeen(EXTENDED)
         self.bodies = Bodies.none()
 
     def see(self, scan: LaserRead, moved: tuple[Floats, Floats]) -> None:
@@ -97,7 +97,7 @@ class BodyTracker:
             return
         view = ScanView(scan)
         stamp = scan.stamp
-        self._walls.see(scan)
+        self._surfaces.see(scan)
         self._tracks = [track for track in self._tracks if 0.0 <= stamp - track.seen_at < MEMORY_TIME]
         self._follow(view, slender(view), stamp)
         self._move(*moved, stamp)
@@ -161,7 +161,7 @@ class BodyTracker:
         squared = from_x * from_x + from_y * from_y
         is_there = ((squared < MAX_SHIFT * MAX_SHIFT) & view.hits).any(axis=1)
         is_part = ((squared < SURFACE_RANGE * SURFACE_RANGE) & view.extended).any(axis=1)
-        is_part |= self._walls.are_near(x, y, SURFACE_RANGE)
+        is_part |= self._surfaces.are_near(x, y, SURFACE_RANGE)
         # A new object at the same place replaces an older one.
         is_new = np.array([track.slender_at == stamp for track in self._tracks])
         is_near = (x[:, None] - x[is_new]) ** 2 + (y[:, None] - y[is_new]) ** 2 < MAX_STEP * MAX_STEP

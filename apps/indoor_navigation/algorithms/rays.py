@@ -54,12 +54,9 @@ class Rays:
     @classmethod
     def of_sonar(cls, sonar: SonarRead) -> "Rays":
         """Return the axes of the discs; one without an echo within `SONAR_RANGE` is free as far and hits nothing."""
-        robot_x, robot_y, robot_heading = sonar.pose
-        c, s = cos(robot_heading), sin(robot_heading)
-        x = robot_x + c * sonar.places_x - s * sonar.places_y
-        y = robot_y + s * sonar.places_x + c * sonar.places_y
+        x, y = points_in_odom(sonar.pose, sonar.places_x, sonar.places_y)
         lengths = np.minimum(sonar.ranges, SONAR_RANGE)
-        directions = robot_heading + sonar.headings
+        directions = sonar.pose[2] + sonar.headings
         end_x, end_y = x + lengths * np.cos(directions), y + lengths * np.sin(directions)
         return cls(x, y, end_x, end_y, sonar.ranges < SONAR_RANGE)
 
@@ -170,6 +167,12 @@ def in_odom(pose: Pose, x: float, y: float, heading: float) -> Pose:
     """Return the pose in odom of something that is mounted on a robot with this pose."""
     c, s = cos(pose[2]), sin(pose[2])
     return pose[0] + c * x - s * y, pose[1] + s * x + c * y, pose[2] + heading
+
+
+def points_in_odom(pose: Pose, x: Floats, y: Floats) -> tuple[Floats, Floats]:
+    """Return points in the frame of a robot, or of what is mounted on it, with this pose in odom."""
+    c, s = cos(pose[2]), sin(pose[2])
+    return pose[0] + c * x - s * y, pose[1] + s * x + c * y
 
 
 def in_robot(pose: Pose, x: Floats, y: Floats) -> tuple[Floats, Floats]:

@@ -8,10 +8,11 @@ a few dozen calls of numpy for any number of segments.
 from dataclasses import dataclass
 from functools import lru_cache
 from math import hypot, inf, tau
+from typing import NamedTuple
 
 import numpy as np
 
-from apps.indoor_navigation.algorithms.rays import in_odom
+from apps.indoor_navigation.algorithms.rays import in_odom, points_in_odom
 from apps.indoor_navigation.data import Bools, Floats, Ints, LaserRead
 
 MIN_RANGE = 0.02  # m; a shorter range is not an echo
@@ -22,10 +23,10 @@ MAX_ROUNDS = 8  # of splitting, enough for 256 segments on one surface
 MIN_POINTS = 3  # of a segment
 MAX_SPREAD = 0.03  # m, root mean square of the distances of a segment's points from its line
 
-# Walls that are remembered.
-WALL_STEP, WALL_INTERVAL = 0.2, 2.0  # m of motion of the scanner, or s, from one scan that is remembered to the next
-WALL_TIME = 60.0  # s
-MOST_WALLS = 600  # of the newest scans, some 10 m of way in a room
+# Surfaces that are remembered.
+STEP, INTERVAL = 0.2, 2.0  # m of motion of the scanner, or s, from one scan that is remembered to the next
+MEMORY_TIME = 60.0  # s
+MOST_SEEN = 600  # of the newest scans, some 10 m of way in a room
 # A face of a box: two legs look as straight from one place in up to 10 of 100 views, and from two in less than 1.
 FACE, FACE_BEAMS, FACE_SPREAD = 0.3, 8, 0.016  # m; beams; m, root mean square of the distances from its line
 OTHER_SIDE = 0.4  # rad between two directions from which the same face is seen
@@ -65,9 +66,9 @@ class Beams:
 class Segments:
     """Straight segments, in the order of their beams; m segments.
 
-    first, last: their beams. starts, ends: their ends on their own lines, shape (2, m). normals, distances: of their
-    lines, as `fit` tells them. moments: n, sums of x, y, x², y² and xy of their points, shape (6, m). of_beam: each
-    beam's segment, m where it has none.
+    first, last: their beams. starts, ends: their ends on their own lines, shape (2, m). normals, distances, spreads: of
+    their lines, as `fit` tells them. moments: n, sums of x, y, x², y² and xy of their points, shape (6, m). of_beam:
+    each beam's segment, m where it has none.
     """
 
     first: Ints
@@ -77,6 +78,7 @@ class Segments:
     lengths: Floats
     normals: Floats
     distances: Floats
+    spreads: Floats
     moments: Floats
     of_beam: Ints
 
@@ -97,12 +99,17 @@ def find_segments(beams: Beams) -> Segments | None:
     starts = _part(points, _part_at_steps(points, ranges))
     counts = np.concatenate((starts[1:], [len(beam)])) - starts
     moments = np.add.reduceat(_squares(points), starts, axis=1)
-    normals, distances, spread = fit(moments)
-    is_good = (counts >= MIN_POINTS) & (spread < MAX_SPREAD)
+    normals, distances, spreads = fit(moments)
+    is_good = (counts >= MIN_POINTS) & (spreads < MAX_SPREAD)
     if not is_good.any():
         return None
     starts, counts = starts[is_good], counts[is_good]
-    normals, distances = normals[:, is_good], distances[is_good]
+    normals, distances, spreads, moments = (
+        normals[:, is_good],
+        distances[is_good],
+        spreads[is_good],
+        moments[:, is_good],
+    )
     lasts = starts + counts - 1
     from_, to = _onto(points[:, starts], normals, distances), _onto(points[:, lasts], normals, distances)
     count = len(starts)
@@ -111,7 +118,7 @@ def find_segments(beams: Beams) -> Segments | None:
     offsets = np.arange(len(owner)) - np.repeat(np.cumsum(counts) - counts, counts)
     of_beam[beam[np.repeat(starts, counts) + offsets]] = owner
     lengths = np.sqrt(((to - from_) ** 2).sum(axis=0))
-    return Segments(beam[starts], beam[lasts], from_, to, lengths, normals, distances, moments[:, is_good], of_beam)
+    return Segments(beam[starts], beam[lasts], from_, to, lengths, normals, distances, spreads, moments, of_beam)
 
 
 def fit(moments: Floats) -> tuple[Floats, Floats, Floats]:
@@ -168,7 +175,38 @@ def _part(points: Floats, starts: Ints) -> Ints:
     return starts
 
 
-class WallsSeen:
+class _Seen(NamedTuple):
+    """Segments in odom, m; n of them.
+
+    ends: x and y of either end, shape (4, n). stamps: s. directions: from the middle of each to the scanner, rad.
+    are_surfaces: which are known not to be legs.
+    """
+
+    ends: Floats
+    stamps: Floats
+    directions: Floats
+    are_surfaces: Bools
+
+    def where(self, chosen: Bools) -> "_Seen":
+        """Return those that are flagged."""
+        return _Seen(self.ends[:, chosen], self.stamps[chosen], self.directions[chosen], self.are_surfaces[chosen])
+
+    def followed_by(self, others: "_Seen") -> "_Seen":
+        """Return these and others."""
+        return _Seen(*(np.concatenate(pair, axis=-1) for pair in zip(self, others, strict=True)))
+
+    def show_same(self, others: "_Seen") -> Bools:
+        """Return which of these, in rows, show the same part of a line as which others, in columns."""
+        from_x, from_y, to_x, to_y = others.ends
+        length = np.hypot(to_x - from_x, to_y - from_y)
+        along_x, along_y = (to_x - from_x) / length, (to_y - from_y) / length
+        off_x, off_y = self.ends[::2, :, None] - from_x, self.ends[1::2, :, None] - from_y
+        along, aside = off_x * along_x + off_y * along_y, np.abs(off_x * along_y - off_y * along_x)
+        overlap = np.minimum(along.max(axis=0), length) - np.maximum(along.min(axis=0), 0.0)
+        return np.asarray((aside.max(axis=0) <= SAME_LINE) & (overlap >= SAME_PART))
+
+
+class SurfacesSeen:
     """Straight surfaces in odom that were seen lately: for what is seen of a wall or a box when the rest is hidden.
 
     They are long segments, and faces of which the same part was seen from two directions.
@@ -177,63 +215,45 @@ class WallsSeen:
     def __init__(self, shortest: float) -> None:
         """shortest: m, of a segment that is a surface wherever it is seen from."""
         self._shortest = shortest
-        self._ends = np.empty((4, 0))  # x and y of either end, m
-        self._stamps = np.empty(0)  # s
-        self._seen_from = np.empty(0)  # direction to the scanner, rad
-        self._is_sure = np.empty(0, bool)
+        self._seen = _Seen(np.empty((4, 0)), np.empty(0), np.empty(0), np.empty(0, bool))
         self._last = (np.inf, np.inf, -np.inf)  # place of the scanner and s
 
     def see(self, scan: LaserRead) -> None:
         """Take a scan."""
-        x, y, heading = in_odom(scan.pose, *scan.mount)
-        if (
-            hypot(x - self._last[0], y - self._last[1]) < WALL_STEP
-            and 0.0 <= scan.stamp - self._last[2] < WALL_INTERVAL
-        ):
+        x, y, _ = in_odom(scan.pose, *scan.mount)
+        if hypot(x - self._last[0], y - self._last[1]) < STEP and 0.0 <= scan.stamp - self._last[2] < INTERVAL:
             return
         self._last = x, y, scan.stamp
-        is_fresh = (self._stamps <= scan.stamp) & (self._stamps > scan.stamp - WALL_TIME)
-        is_fresh[:-MOST_WALLS] = False
-        self._ends, self._stamps = self._ends[:, is_fresh], self._stamps[is_fresh]
-        self._seen_from, self._is_sure = self._seen_from[is_fresh], self._is_sure[is_fresh]
-        found = find_segments(Beams.of(scan))
-        if found is None:
-            return
-        is_long = found.lengths >= self._shortest
-        is_face = (found.lengths >= FACE) & (found.last - found.first + 1 >= FACE_BEAMS)
-        is_face &= fit(found.moments)[2] < FACE_SPREAD
-        chosen = is_long | is_face
-        c, s = np.cos(heading), np.sin(heading)
-        (from_x, from_y), (to_x, to_y) = found.starts[:, chosen], found.ends[:, chosen]
-        new = np.array(
-            (x + c * from_x - s * from_y, y + s * from_x + c * from_y, x + c * to_x - s * to_y, y + s * to_x + c * to_y)
+        stamps = self._seen.stamps
+        is_fresh = (stamps <= scan.stamp) & (stamps > scan.stamp - MEMORY_TIME)
+        is_fresh[:-MOST_SEEN] = False
+        before, new = self._seen.where(is_fresh), self._found(scan)
+        are_same = new.show_same(before)
+        are_same &= np.cos(new.directions[:, None] - before.directions) < np.cos(OTHER_SIDE)
+        self._seen = before._replace(are_surfaces=before.are_surfaces | are_same.any(axis=0)).followed_by(
+            new._replace(are_surfaces=new.are_surfaces | are_same.any(axis=1))
         )
-        seen_from = np.arctan2(y - (new[1] + new[3]) / 2.0, x - (new[0] + new[2]) / 2.0)
-        again = self._same(new) & (np.cos(seen_from[:, None] - self._seen_from) < np.cos(OTHER_SIDE))
-        self._is_sure |= again.any(axis=0)
-        self._is_sure = np.concatenate((self._is_sure, is_long[chosen] | again.any(axis=1)))
-        self._ends = np.concatenate((self._ends, new), axis=1)
-        self._stamps = np.concatenate((self._stamps, np.full(new.shape[1], scan.stamp)))
-        self._seen_from = np.concatenate((self._seen_from, seen_from))
 
     def are_near(self, x: Floats, y: Floats, distance: float) -> Bools:
         """Return which places in odom are within m of a surface."""
-        from_x, from_y, to_x, to_y = self._ends[:, self._is_sure]
+        from_x, from_y, to_x, to_y = self._seen.ends[:, self._seen.are_surfaces]
         along_x, along_y = to_x - from_x, to_y - from_y
         off_x, off_y = x[:, None] - from_x, y[:, None] - from_y
         part = np.clip((off_x * along_x + off_y * along_y) / (along_x**2 + along_y**2), 0.0, 1.0)
         squared = (off_x - part * along_x) ** 2 + (off_y - part * along_y) ** 2
         return np.asarray((squared < distance * distance).any(axis=1))
 
-    def _same(self, new: Floats) -> Bools:
-        """Return which of some segments, in rows, show the same part of which of those before, in columns."""
-        from_x, from_y, to_x, to_y = self._ends
-        length = np.hypot(to_x - from_x, to_y - from_y)
-        along_x, along_y = (to_x - from_x) / length, (to_y - from_y) / length
-        along, aside = [], []
-        for x, y in (new[:2], new[2:]):
-            off_x, off_y = x[:, None] - from_x, y[:, None] - from_y
-            along.append(off_x * along_x + off_y * along_y)
-            aside.append(np.abs(off_x * along_y - off_y * along_x))
-        overlap = np.minimum(np.maximum(*along), length) - np.maximum(np.minimum(*along), 0.0)
-        return np.asarray((np.maximum(*aside) <= SAME_LINE) & (overlap >= SAME_PART))
+    def _found(self, scan: LaserRead) -> _Seen:
+        """Return the long segments of a scan, and the faces, which may still be legs."""
+        found = find_segments(Beams.of(scan))
+        if found is None:
+            return self._seen.where(np.zeros(len(self._seen.stamps), bool))
+        is_long = found.lengths >= self._shortest
+        is_face = (found.lengths >= FACE) & (found.last - found.first + 1 >= FACE_BEAMS) & (found.spreads < FACE_SPREAD)
+        chosen = is_long | is_face
+        scanner = in_odom(scan.pose, *scan.mount)
+        from_x, from_y = points_in_odom(scanner, *found.starts[:, chosen])
+        to_x, to_y = points_in_odom(scanner, *found.ends[:, chosen])
+        directions = np.arctan2(scanner[1] - (from_y + to_y) / 2.0, scanner[0] - (from_x + to_x) / 2.0)
+        ends = np.array((from_x, from_y, to_x, to_y))
+        return _Seen(ends, np.full(len(directions), scan.stamp), directions, is_long[chosen])
