@@ -10,6 +10,7 @@ from agents.platform.directory import Description, Directory
 from agents.platform.errors import AgentError
 from agents.platform.names import AgentName
 from bus.bus import Bus, Closeable
+from bus.meeting import wait_for_others
 
 LIKENESS = 0.6  # 0 to 1, from which on one name may have been meant for another
 QUIET_TIME = 0.3  # s without a new token after which a session has met everybody, on one machine
@@ -23,6 +24,7 @@ class KnownAgents(Closeable):
     """The agents on the bus, for a short-lived program with a new session."""
 
     def __init__(self, bus: Bus) -> None:
+        self._bus = bus
         self._changed = Condition()
         self._changed_at = time.monotonic()
         self._directory = Directory(bus, self._on_change)
@@ -36,21 +38,22 @@ class KnownAgents(Closeable):
         """Wait until an agent is there.
 
         Raises:
-            NotOnBus: It has not been seen within `timeout` s; the message gives the nearest name.
+            NotOnBus: It has not been seen within `timeout` s of meeting all on the bus; the message gives the nearest
+                name.
         """
         with self._changed:
-            if not self._changed.wait_for(lambda: self._directory.knows(name), timeout):
+            if not wait_for_others(self._bus, self._changed, lambda: self._directory.knows(name), timeout):
                 raise NotOnBus(f"there is no agent {name}; {advice(name, self.names)}")
 
     def meet(self, timeout: float = MEETING_TIME) -> None:
         """Wait until no new agents appear; a new session knows all agents then."""
-        deadline = time.monotonic() + timeout
+
+        def is_calm() -> bool:
+            is_quiet = time.monotonic() >= self._changed_at + QUIET_TIME
+            return self._bus.has_met_all and bool(self._directory.names) and is_quiet
+
         with self._changed:
-            while (now := time.monotonic()) < deadline:
-                calm_at = self._changed_at + QUIET_TIME if self._directory.names else deadline
-                if now >= calm_at:
-                    return
-                self._changed.wait(min(calm_at, deadline) - now)
+            wait_for_others(self._bus, self._changed, is_calm, timeout)
 
     def describe(
         self, service: str | None = None, robot: str | None = None

@@ -10,13 +10,15 @@ from acromovi.presence import MEETING_TIME
 from agents.platform.containers import ORDER_TIME, ContainerDirectory
 from agents.platform.names import AgentName, ContainerName
 from bus.bus import Bus
+from bus.meeting import wait_for_others
 
 
 def find_container(bus: Bus, name: str) -> ContainerName:
     """The container that has a name.
 
     Raises:
-        NotOnBus: It has not been seen within `MEETING_TIME` s; the message gives the nearest name.
+        NotOnBus: It has not been seen within `MEETING_TIME` s of meeting all on the bus; the message gives the
+            nearest name.
     """
     changed = Condition()
 
@@ -25,7 +27,7 @@ def find_container(bus: Bus, name: str) -> ContainerName:
             changed.notify_all()
 
     with ContainerDirectory(bus, note) as directory, changed:
-        found = changed.wait_for(lambda: directory.find(name), MEETING_TIME)
+        found = wait_for_others(bus, changed, lambda: directory.find(name), MEETING_TIME)
         if found is None:
             seen = [each.name for each in directory.names]
             raise NotOnBus(f"there is no container {name!r}; {_advice(name, seen)}")

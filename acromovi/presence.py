@@ -6,6 +6,7 @@ from threading import Condition
 from bus.bus import Bus
 from bus.errors import BusError
 from bus.keys import ALIVE, robot_name, split
+from bus.meeting import wait_for_others
 
 MEETING_TIME = 2.0  # s in which a robot that is there must have been seen, on a loaded machine too
 
@@ -18,6 +19,7 @@ class RobotPresence:
     """The robots on the bus, kept up to date."""
 
     def __init__(self, bus: Bus) -> None:
+        self._bus = bus
         self._robots: set[str] = set()
         self._changed = Condition()
         bus.watch_alive(f"*/{ALIVE.suffix}", self._on_change)
@@ -33,11 +35,12 @@ class RobotPresence:
 
         Raises:
             KeyNotValid: This cannot be a robot's name.
-            UnknownRobot: It has not been seen within `timeout` s; the message says which robots have.
+            UnknownRobot: It has not been seen within `timeout` s of meeting all on the bus; the message says which
+                robots have.
         """
         robot_name(robot)
         with self._changed:
-            if not self._changed.wait_for(lambda: robot in self._robots, timeout):
+            if not wait_for_others(self._bus, self._changed, lambda: robot in self._robots, timeout):
                 raise UnknownRobot(f"no robot {robot!r} is seen; {advice(robot, sorted(self._robots))}")
 
     def _on_change(self, key: str, is_alive: bool) -> None:

@@ -164,6 +164,14 @@ class Bus(Closeable):
         """The only name that this participant may use: the first chunk of its keys. None if it may use any."""
         return None
 
+    @property
+    def has_met_all(self) -> bool:
+        """Whether this participant is connected to all that were on the bus before it, or will not be any more.
+
+        Until then, one that is not seen may be there. True where there is no telling.
+        """
+        return True
+
     def check_may_query(self, key_expr: str) -> None:
         """Check whether this program may send a query.
 

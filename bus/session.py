@@ -48,6 +48,7 @@ log = logging.getLogger("bus")
 # reply is sent again; the time is longer where not all connections could be opened yet, as on a busy machine.
 MEETING_TIME = 0.5  # s
 LATE_MEETING_TIME = 2.5  # s
+LONGEST_MEETING_TIME = 5.0  # s after which one that was registered before is taken to be frozen
 MOST_TRIES = 5  # to listen on a port that was free a moment before
 
 
@@ -116,7 +117,8 @@ class ZenohBus(Bus):
         self._registration = registration
         self._scouting: Scouting | None = None
         self._declared: set[Declared] = set()  # Zenoh withdraws a declaration without a reference
-        self._met_at = time.monotonic() + (MEETING_TIME if self._has_met_elders() else LATE_MEETING_TIME)
+        self._opened_at = time.monotonic()
+        self._met_at = self._opened_at + (MEETING_TIME if self._has_met_elders() else LATE_MEETING_TIME)
         self._handlers = HandlerThread()
         self._timers = Timers()
         self._links = LinkWatch(self._session.info, self._timers)
@@ -182,6 +184,12 @@ class ZenohBus(Bus):
     def own_name(self) -> str | None:
         """The only name that this program may use."""
         return None if self._permit is None else self._permit.own_name
+
+    @property
+    def has_met_all(self) -> bool:
+        """Whether this session is connected to all that were registered before, or has waited long enough."""
+        late = time.monotonic() > self._opened_at + LONGEST_MEETING_TIME
+        return self._is_closed or late or self._has_met_elders()
 
     def check_may_query(self, key_expr: str) -> None:
         """Check whether this program may send a query."""

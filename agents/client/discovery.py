@@ -1,7 +1,9 @@
 """Discovery of agents and robots on the bus; it waits for those that start late or are being restarted."""
 
 import asyncio
-from collections.abc import Iterable
+import contextlib
+from collections.abc import Callable, Iterable
+from functools import partial
 
 from agents.client.errors import NotThere
 from agents.platform import AgentName, Directory
@@ -9,7 +11,7 @@ from bus import Bus
 from bus.aio import hand_over
 from configs.suggestion import meant
 
-MEETING_TIME = 3.0  # s in which all present agents have been seen, on a loaded machine too
+MEETING_TIME = 3.0  # s in which all present agents have been seen, once the bus has met all programs
 QUIET = 0.4  # s without a new agent, after which all are taken to have been seen
 RETURN_TIME = 20.0  # s in which a robot or an element that disappeared is back after a restart, on a loaded machine too
 FORGET_TIME = 60.0  # s for which a disappearance is kept for messages
@@ -22,6 +24,7 @@ class Discovery:
 
     def __init__(self, bus: Bus) -> None:
         """Start watching, in a running event loop."""
+        self._bus = bus
         self._loop = asyncio.get_running_loop()
         self._moved = asyncio.Event()
         self._last_change = self._opened = self._loop.time()
@@ -47,7 +50,7 @@ class Discovery:
         """
         begun, moved = self._loop.time(), self._moved
         while not self.sees(agent):
-            if not await self._is_set(moved, self._end_of_wait(begun, within, self._left.get(agent))):
+            if not await self._is_set(moved, partial(self._end_of_wait, begun, within, self._left.get(agent))):
                 raise await self._no_element(agent)
             moved = self._moved
 
@@ -72,7 +75,7 @@ class Discovery:
         end, moved = self._loop.time() + (within or 0.0), self._moved
         found = await self.robots(having)
         while not found:
-            if not await self._is_set(moved, end):
+            if not await self._is_set(moved, lambda: end):
                 raise await self._none_has(having)
             moved = self._moved
             found = await self._robots(having)
@@ -90,7 +93,7 @@ class Discovery:
         """
         begun, moved = self._loop.time(), self._moved
         while not (self._has_agents(name) and await self.elements(name)):
-            if not await self._is_set(moved, self._end_of_wait(begun, within, self._left_at(name))):
+            if not await self._is_set(moved, partial(self._end_of_wait, begun, within, self._left_at(name))):
                 raise await self._no_robot(name)
             moved = self._moved
         for element in having:
@@ -135,8 +138,10 @@ class Discovery:
 
     async def _settled(self) -> None:
         """Wait until robots have appeared and no new ones come, or until they should have appeared."""
-        while (now := self._loop.time()) < self._opened + MEETING_TIME:
-            if now - self._last_change >= QUIET and len({name.platform for name in self._directory.names}) > 1:
+        end = self._opened + MEETING_TIME
+        while (now := self._loop.time()) < end or not self._bus.has_met_all:
+            is_quiet = now - self._last_change >= QUIET and self._bus.has_met_all
+            if is_quiet and len({name.platform for name in self._directory.names}) > 1:
                 return
             await asyncio.sleep(QUIET / 4)
 
@@ -159,21 +164,22 @@ class Discovery:
         """
         if within is not None:
             return begun + within
+        if not self._bus.has_met_all:
+            begun = self._loop.time()
         return max(begun + MEETING_TIME, 0.0 if left is None else left + RETURN_TIME)
 
-    async def _is_set(self, moved: asyncio.Event, end: float) -> bool:
+    async def _is_set(self, moved: asyncio.Event, end: Callable[[], float]) -> bool:
         """Wait until an agent appears or disappears; return False if none has before `end`.
 
         Args:
             moved: `_moved` before the caller looked, so that no change is missed.
-            end: In the loop's time.
+            end: In the loop's time; it may be later by then.
         """
-        try:
-            async with asyncio.timeout_at(end):
-                await moved.wait()
-        except TimeoutError:  # nothing has moved until the end
-            return False
-        return True
+        while (limit := end()) > self._loop.time():
+            with contextlib.suppress(TimeoutError):  # nothing has moved until the limit
+                async with asyncio.timeout_at(limit):
+                    return await moved.wait()
+        return False
 
     def _note(self, name: AgentName, is_there: bool) -> None:
         """Note that an agent has appeared or disappeared."""

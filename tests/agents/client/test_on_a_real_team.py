@@ -74,8 +74,14 @@ def step(dwarfs: RunningTeam, robot: str) -> float:
     return hypot(after["x"] - before["x"], after["y"] - before["y"])
 
 
-def wait_until_it_drives(dwarfs: RunningTeam, robot: str) -> None:
-    wait_until(lambda: step(dwarfs, robot) > 5 * LITTLE, f"{robot} drives")
+def wait_until_it_drives(dwarfs: RunningTeam, robot: str, driven_by: "subprocess.Popen[str] | None" = None) -> None:
+    """Return as well when the program that drives it has ended: its exit code and what it says are to be looked at."""
+
+    def drives() -> bool:
+        has_ended = driven_by is not None and driven_by.poll() is not None
+        return has_ended or step(dwarfs, robot) > 5 * LITTLE
+
+    wait_until(drives, f"{robot} drives")
 
 
 def wait_until_it_stands(dwarfs: RunningTeam, robot: str) -> None:
@@ -152,7 +158,7 @@ def test_threads_of_a_program_move_robots_side_by_side(team: Team) -> None:
 @pytest.mark.parametrize("text", [MOVE, DRIVE], ids=["move", "drive"])
 def test_ctrl_c_in_a_motion_stops_the_robot(dwarfs: RunningTeam, tmp_path: Path, text: str) -> None:
     with script(dwarfs, tmp_path, text) as process:
-        wait_until_it_drives(dwarfs, "grumpy")
+        wait_until_it_drives(dwarfs, "grumpy", process)
         process.send_signal(signal.SIGINT)
         _, told = end_of(process)
     wait_until_it_stands(dwarfs, "grumpy")
@@ -162,10 +168,10 @@ def test_ctrl_c_in_a_motion_stops_the_robot(dwarfs: RunningTeam, tmp_path: Path,
 
 def test_a_script_that_closes_nothing_leaves_its_robot_at_rest(dwarfs: RunningTeam, tmp_path: Path) -> None:
     with script(dwarfs, tmp_path, FORGOTTEN) as process:
-        wait_until_it_drives(dwarfs, "grumpy")
+        wait_until_it_drives(dwarfs, "grumpy", process)
         _, told = end_of(process)
     wait_until_it_stands(dwarfs, "grumpy")
-    assert (process.returncode, LATE.sub("", told)) == (0, "")
+    assert (LATE.sub("", told), process.returncode) == ("", 0)
 
 
 def test_a_new_application_drives_as_it_is(
@@ -175,10 +181,10 @@ def test_a_new_application_drives_as_it_is(
     assert main(["new", "patrol"]) == 0
     command = [sys.executable, "-m", "acromovi", "run", "patrol.py", "robot=grumpy", "--bus", dwarfs.profile]
     with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as process:
-        wait_until_it_drives(dwarfs, "grumpy")
+        wait_until_it_drives(dwarfs, "grumpy", process)
         process.send_signal(signal.SIGINT)
         _, told = end_of(process)
-    assert (process.returncode, LATE.sub("", told)) == (130, "")
+    assert (LATE.sub("", told), process.returncode) == ("", 130)
     wait_until_it_stands(dwarfs, "grumpy")
 
 

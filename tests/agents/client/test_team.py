@@ -57,6 +57,22 @@ def test_a_robot_that_comes_late_is_waited_for(world: World, team: Team) -> None
         late.join()
 
 
+class JustJoined(MemoryBus):
+    """Is not connected to all yet."""
+
+    @property
+    def has_met_all(self) -> bool:
+        return False
+
+
+def test_a_robot_that_the_bus_has_not_met_yet_is_waited_for_longer(world: World) -> None:
+    with Team(JustJoined(world.network)) as team:
+        late = threading.Timer(3 * discovery.MEETING_TIME, lambda: world.add(BasePart("base@doc")))
+        late.start()
+        assert team.robot("doc").name == "doc"
+        late.join()
+
+
 def stop(world: World, agent: str, team: Team) -> None:
     """Stop an agent, and wait until the team has noticed."""
     name = AgentName.parse(agent)
