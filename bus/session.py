@@ -45,10 +45,10 @@ from configs.loader import ConfigError
 log = logging.getLogger("bus")
 
 # Queryables of other sessions become known some ms after opening. In a session younger than this, a query without a
-# reply is sent again; the time is longer where not all connections could be opened yet, as on a busy machine.
+# reply is sent again; the time is longer where not all connections could be opened yet, as on a busy machine. Who is
+# not connected by then is taken to be frozen.
 MEETING_TIME = 0.5  # s
 LATE_MEETING_TIME = 2.5  # s
-LONGEST_MEETING_TIME = 5.0  # s after which one that was registered before is taken to be frozen
 MOST_TRIES = 5  # to listen on a port that was free a moment before
 
 
@@ -188,7 +188,7 @@ class ZenohBus(Bus):
     @property
     def has_met_all(self) -> bool:
         """Whether this session is connected to all that were registered before, or has waited long enough."""
-        late = time.monotonic() > self._opened_at + LONGEST_MEETING_TIME
+        late = time.monotonic() > self._opened_at + LATE_MEETING_TIME
         return self._is_closed or late or self._has_met_elders()
 
     def check_may_query(self, key_expr: str) -> None:

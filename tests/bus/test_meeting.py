@@ -43,5 +43,5 @@ def test_a_session_has_not_met_all_as_long_as_one_that_is_registered_does_not_an
         assert alone.has_met_all
     with Registration(local), ZenohBus.open(f"local:{local.name}") as bus:
         assert not bus.has_met_all
-        monkeypatch.setattr("bus.session.LONGEST_MEETING_TIME", -1.0)
+        monkeypatch.setattr("bus.session.LATE_MEETING_TIME", -1.0)
         assert bus.has_met_all, "nobody is waited for for ever"
