@@ -94,9 +94,7 @@ class Driving:
         barrier = guide.barrier(now)
         if barrier is None:
             return False
-        if (waiting := situation.making_way.waiting) is not None:
-            if situation.making_way.tries_again() and guide.make_way(waiting.place):
-                return False
+        if situation.making_way.waiting is not None:
             self._wait_at_end(now)
             return True
         if not situation.is_time_to_look(now):
@@ -135,7 +133,7 @@ class Driving:
         """Wait at the end of a way that ends short, or aside."""
         situation, parameters = self._situation, self._parameters
         if (waiting := situation.making_way.waiting) is not None:
-            situation.wait_for(now, MissionEvent.WAY_BARRED, waiting.aside(now, parameters.aside))
+            situation.wait_for(now, MissionEvent.WAY_BARRED, waiting.aside(now + parameters.aside))
             return
         place = situation.barred = situation.guide.barred_place()
         why = f"the only way is barred near {place_text(place)}"

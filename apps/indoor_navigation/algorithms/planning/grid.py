@@ -179,7 +179,7 @@ class Grid:
         end_x, end_y = rays.end_x[rays.hits], rays.end_y[rays.hits]
         seen = self._cells(part, end_x, end_y)
         part.heard_from[seen] = np.where(part.echo[seen] == 0, np.nan, part.heard_from[seen])
-        echo_x, echo_y, directions = echoes(part, lone, has_laser=bool(is_of_scanner.any()))
+        echo_x, echo_y, directions = echoes(part, lone)
         heard = self._cells(part, echo_x, echo_y)
         part.heard_from[heard] = directions
         hits = np.append(seen[0], heard[0]), np.append(seen[1], heard[1])

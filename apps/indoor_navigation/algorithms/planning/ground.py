@@ -100,10 +100,10 @@ class Ground(NamedTuple):
     def flat(self) -> Terrain:
         """Return the least cost that any heading has in the cells of a coarser grid."""
         edge = COARSE * self.area.resolution
-        room = pooled(self.clearance.distances) - self.outline.width / 2.0
+        room = _pooled(self.clearance.distances) - self.outline.width / 2.0
         # Between two hits on a far wall lies a gap that nobody has looked through; it must be as wide as the robot.
-        inaccuracy = self.area.resolution * (1.0 - pooled(self.area.unknown))
-        cost = np.minimum(nearness(room, self.parameters, inaccuracy) + pooled(self.floor), BARRED)
+        inaccuracy = self.area.resolution * (1.0 - _pooled(self.area.unknown))
+        cost = np.minimum(nearness(room, self.parameters, inaccuracy) + _pooled(self.floor), BARRED)
         area = Area.of(self.area.x, self.area.y, edge, np.zeros(cost.shape, np.int8))
         terrain = Terrain(area, cost)
         self._let_out(terrain, self.robot[:2])
@@ -128,7 +128,7 @@ class Ground(NamedTuple):
         return bool(self.area.occupied[self.area.cell(*place)])
 
 
-def pooled(values: Floats | Bools) -> Floats:
+def _pooled(values: Floats | Bools) -> Floats:
     """Return the mean of each COARSE x COARSE values."""
     rows, columns = (-(-size // COARSE) for size in values.shape)
     missing = (0, rows * COARSE - values.shape[0]), (0, columns * COARSE - values.shape[1])

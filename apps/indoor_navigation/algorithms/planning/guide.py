@@ -6,13 +6,12 @@ from itertools import pairwise
 from math import atan2, cos, hypot, inf, sin
 
 from apps.indoor_navigation.algorithms.planning.area import Area
-from apps.indoor_navigation.algorithms.planning.aside import plan_aside
 from apps.indoor_navigation.algorithms.planning.doors_map import thinned
 from apps.indoor_navigation.algorithms.planning.ground import Ground
-from apps.indoor_navigation.algorithms.planning.lattice import Near, PlanSearch, missing_width, turn_piece
+from apps.indoor_navigation.algorithms.planning.lattice import PlanSearch, missing_width, turn_piece
 from apps.indoor_navigation.algorithms.planning.memory import Memory, MemoryParameters
 from apps.indoor_navigation.algorithms.planning.plan import Motion, Plan, PlanPiece
-from apps.indoor_navigation.algorithms.planning.search import Way, length
+from apps.indoor_navigation.algorithms.planning.search import Way, length, way_aside
 from apps.indoor_navigation.algorithms.planning.terrain import BARRED
 from apps.indoor_navigation.data import Bools, GoalPoint, Place, Pose
 from geometry import wrap_angle
@@ -28,7 +27,7 @@ NEXT_POSES = 12  # of a piece among which the robot's progress is looked for
 REACHED = 0.1  # m before the end of a piece where it counts as driven
 FACING = 0.12  # rad off the end of a turn where it counts as turned
 OFF_PLAN = 0.5  # m off the plan from which on it is no use
-ASIDE_RANGE = 5.0  # m around the robot where it may go aside
+ASIDE_TOLERANCE = 0.2  # m from a place aside
 SEARCH_AGAIN = 2.0  # s after a search without a result; it takes far longer than one that finds a way
 CHEAPER = 0.5  # m that the estimated cost must have decreased by, for a search before that time
 
@@ -73,7 +72,6 @@ class Guide:
         self._memory = memory
         self._goal = goal
         self._plan: Plan | None = None
-        self._left: Way = ()  # the way that the robot left to go aside; none while it does not
         self._near: Ground | None = None
         self._doubted: list[Place] = []  # gaps
         self._failed: tuple[float, float] | None = None  # estimate and s of the last search, if it found no way
@@ -177,7 +175,7 @@ class Guide:
         barred = plan.first_barred(ground) if plan is not None else None
         if plan is None or barred is None:
             return None
-        self._plan, self._left = plan.shortened(max(barred - self._parameters.stop_before, 0.0)), ()
+        self._plan = plan.shortened(max(barred - self._parameters.stop_before, 0.0))
         return barred
 
     def barrier(self, now: float) -> _Barrier | None:
@@ -196,13 +194,13 @@ class Guide:
 
     def make_way(self, barred: Place | None) -> bool:
         """Take a way to a place aside; return whether there is one near."""
-        memory, ahead = self._memory, self._left or (*self.points, *self._beyond)
+        memory, ahead = self._memory, (*self.points, *self._beyond)
         came = thinned(memory.trail[-TRAIL_POINTS:])
-        plan = plan_aside(memory.survey_near(ASIDE_RANGE), (came, ahead), barred)
-        if plan is None:
+        way = way_aside(memory.survey_flat(), memory.place, (came, ahead), barred, memory.half_width)
+        plan = PlanSearch(memory.survey_near(), way[-1], ASIDE_TOLERANCE).find() if way is not None else None
+        if way is None or plan is None:
             return False
-        back = tuple((x, y) for x, y, _ in reversed(plan.poses.tolist()))
-        self._plan, self._left = Plan(plan.pieces, (*back, *ahead[1:])), ahead
+        self._plan = Plan(plan.pieces, (*reversed(way), *ahead[1:]))
         return True
 
     def is_hopeless(self, now: float) -> bool:
@@ -347,13 +345,13 @@ class Guide:
         return ground
 
     def _search(self, ground: Ground) -> PlanSearch:
-        return PlanSearch(ground, Near(self.goal, TOLERANCE_PART * self._goal.tolerance))
+        return PlanSearch(ground, self.goal, TOLERANCE_PART * self._goal.tolerance)
 
     def _take(self, plan: Plan | None, ground: Ground, budget: float) -> float | None:
         """Take a plan if it costs no more than the budget; return its length, m, or None."""
         if plan is None or plan.cost(ground) > budget:
             return None
-        self._plan, self._left = plan, ()
+        self._plan = plan
         return float(plan.lengths[-1])
 
 

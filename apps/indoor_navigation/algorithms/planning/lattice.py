@@ -13,15 +13,15 @@ the rounds: Meyer, Sanders, "Delta-stepping: a parallelizable shortest path algo
 
 from dataclasses import replace
 from itertools import groupby, pairwise
-from math import ceil, copysign, inf, pi
-from typing import NamedTuple, Protocol
+from math import ceil, copysign, pi
+from typing import NamedTuple
 
 import numpy as np
 
 from apps.indoor_navigation.algorithms.planning.ground import Ground
 from apps.indoor_navigation.algorithms.planning.plan import Motion, Plan, PlanPiece
 from apps.indoor_navigation.algorithms.planning.search import NO_WAY, costs_to, find_way
-from apps.indoor_navigation.algorithms.planning.terrain import BARRED, Terrain
+from apps.indoor_navigation.algorithms.planning.terrain import BARRED
 from apps.indoor_navigation.data import Bools, Floats, Ints, Place, Pose
 
 HEADINGS = 48  # of cells; a straight line is at most 3.75 degrees from one of them
@@ -157,54 +157,22 @@ def turn_piece(ground: Ground, heading: float) -> PlanPiece:
     return min(pieces, key=lambda piece: Plan((piece,)).cost(ground))
 
 
-class Target(Protocol):
-    """Where a plan may end."""
-
-    def costs(self, flat: Terrain) -> Floats:
-        """Return the least cost from each cell of a terrain, in lengths of a cell; NO_WAY or more where none leads."""
-        ...
-
-    def is_reached(self, x: Floats, y: Floats, heading: Floats) -> Bools:
-        """Return at which poses a plan may end."""
-        ...
-
-
-class Near(NamedTuple):
-    """Places within the tolerance, m, of a goal in odom, with any heading; the goal must be within the area."""
-
-    goal: Place
-    tolerance: float
-
-    def costs(self, flat: Terrain) -> Floats:
-        """Return the least cost from each cell."""
-        return costs_to(flat, self.goal, self.tolerance)
-
-    def is_reached(self, x: Floats, y: Floats, heading: Floats) -> Bools:
-        """Return which poses are near."""
-        away = np.hypot(x - self.goal[0], y - self.goal[1])
-        return np.asarray(away <= max(self.tolerance, 0.75 * CELL))
-
-
 class PlanSearch:
-    """The search of one plan.
+    """The search of one plan. estimate: of its cost from the robot's pose, never more than GREED times as much."""
 
-    way_cost: of the way of a point with the robot's half width, m. estimate: GREED times as much; no plan costs less
-    than the way.
-    """
-
-    def __init__(self, ground: Ground, target: Target, coarseness: int = 1) -> None:
+    def __init__(self, ground: Ground, goal: Place, tolerance: float) -> None:
         """Prepare the search.
 
         Args:
-            ground: With the pose of the robot.
-            target: Where the plan may end.
-            coarseness: Cells of place and heading along each edge of those of which one pose is kept. With more, there
-                are fewer poses to try; plans cost a little more, and some through narrow places are missed.
+            ground: With the pose of the robot; the goal must be within its area.
+            goal: In odom.
+            tolerance: m from it where the plan may end.
         """
-        self._ground, self._target, self._coarseness = ground, target, coarseness
+        self._ground = ground
+        self._goal, self._tolerance = goal, max(tolerance, 0.75 * CELL)
         flat = ground.flat()
         self._area = flat.area
-        left = target.costs(flat) * flat.area.resolution
+        left = costs_to(flat, goal, tolerance) * flat.area.resolution
         self._left = np.where(left < NO_WAY * flat.area.resolution, left, np.inf)
         self._downhill = _downhill(self._left)
         rows, columns = self._left.shape
@@ -214,23 +182,21 @@ class PlanSearch:
         row, column, cell = self._cells(x, y, heading)
         self._poses = _Poses(ground.robot, int(cell[0]))
         self._best[cell] = 0.0
-        self.way_cost = float(self._left[row[0], column[0]])
-        self.estimate = GREED * self.way_cost
+        self.estimate = GREED * float(self._left[row[0], column[0]])
 
-    def find(self, most: float = inf) -> Plan | None:
-        """Return the cheapest plan; None where there is none whose estimated cost is below `most`, m."""
-        last = self._run(most)
+    def find(self) -> Plan | None:
+        """Return the cheapest plan; None where there is none."""
+        last = self._run()
         return None if last is None else self._plan(last)
 
-    def _run(self, most: float) -> int | None:
+    def _run(self) -> int | None:
         """Return the number of the last pose of the cheapest plan; None where there is none."""
         poses = self._poses
         waiting, estimate = np.zeros(1, np.intp), np.array([self.estimate])
-        while len(waiting) and poses.count < MAX_POSES and estimate.min() < most:
+        while len(waiting) and poses.count < MAX_POSES and np.isfinite(estimate.min()):
             is_next = estimate <= estimate.min() + STEP_COST
             taken, waiting = waiting[is_next], waiting[~is_next]
-            is_goal = self._target.is_reached(poses.x[taken], poses.y[taken], poses.heading[taken])
-            at_goal = taken[is_goal]
+            at_goal = taken[self._is_goal(taken)]
             if len(at_goal):
                 return int(at_goal[poses.cost[at_goal].argmin()])
             taken = taken[poses.cost[taken] <= self._best[poses.cell[taken]]]
@@ -238,6 +204,10 @@ class PlanSearch:
             waiting = np.concatenate((waiting, new))
             estimate = np.concatenate((estimate[~is_next], new_estimate))
         return None
+
+    def _is_goal(self, numbers: Ints) -> Bools:
+        x, y = self._poses.x[numbers] - self._goal[0], self._poses.y[numbers] - self._goal[1]
+        return np.asarray(np.hypot(x, y) <= self._tolerance)
 
     def _expanded(self, taken: Ints) -> tuple[Ints, Floats]:
         """Add the poses that moves lead to, and return their numbers and the estimated costs of plans over them."""
@@ -296,9 +266,7 @@ class PlanSearch:
         row = np.minimum(np.maximum(row, 0.0), rows - 1.0).astype(np.intp)
         column = np.minimum(np.maximum(column, 0.0), columns - 1.0).astype(np.intp)
         sector = np.round((heading - self._ground.robot[2]) / self._unit).astype(np.intp) % HEADINGS
-        edge = self._coarseness
-        cell = ((row // edge) * columns + column // edge) * HEADINGS + sector // edge
-        return row, column, cell
+        return row, column, (row * columns + column) * HEADINGS + sector
 
     def _plan(self, last: int) -> Plan:
         """Return the plan to a pose."""

@@ -16,8 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from apps.indoor_navigation.algorithms.planning.area import OCCUPIED, Area
-from apps.indoor_navigation.algorithms.planning.believed_rays import ECHO_DEPTH, NARROW_CONE, SIMILAR, BelievedRays
-from apps.indoor_navigation.algorithms.rays import HALF_CONE
+from apps.indoor_navigation.algorithms.planning.believed_rays import NARROW_CONE, SIMILAR, BelievedRays
 from apps.indoor_navigation.data import Floats, Ints
 
 ASIDE = (0.07, -0.07, 0.14, -0.14)  # rad from the axis of lines in the cone that are free; at most 7 cm apart at 1 m
@@ -49,11 +48,8 @@ def free_cells(part: Area, sonar: BelievedRays) -> Ints:
     return np.concatenate(free)
 
 
-def echoes(part: Area, sonar: BelievedRays, *, has_laser: bool) -> HeardPlaces:
-    """Return where the echoes of sonar come from.
-
-    Most obstacles that a robot with a laser knows are exact, so its echoes from the edge of the cone are known as well.
-    """
+def echoes(part: Area, sonar: BelievedRays) -> HeardPlaces:
+    """Return where the echoes of sonar come from."""
     hits = sonar.chosen(sonar.hits)
     heard = hits.chosen(~sonar.are_silent(hits.end_x, hits.end_y, hits.to_origins))
     rows, columns = np.nonzero(part.evidence >= OCCUPIED)
@@ -61,8 +57,7 @@ def echoes(part: Area, sonar: BelievedRays, *, has_laser: bool) -> HeardPlaces:
         return HeardPlaces(heard.end_x, heard.end_y, heard.to_origins)
     x = np.asarray(part.x + (columns + 0.5) * part.resolution + part.surface_x[rows, columns], np.float64)
     y = np.asarray(part.y + (rows + 0.5) * part.resolution + part.surface_y[rows, columns], np.float64)
-    limits = (HALF_CONE, ECHO_DEPTH) if has_laser else (NARROW_CONE, SAME_RANGE)
-    along = heard.along_echoes(x, y, *limits)
+    along = heard.along_echoes(x, y, NARROW_CONE, SAME_RANGE)
     nearest_axis, is_known = along.argmax(axis=1), np.isfinite(along).any(axis=1)
     return HeardPlaces(
         np.where(is_known, x[nearest_axis], heard.end_x),

@@ -18,7 +18,7 @@ from apps.indoor_navigation.algorithms.pose_history import is_pose_jump
 from apps.indoor_navigation.data import Bools, Floats, ObstRead, Place, Pose
 
 UNKNOWN_MARGIN = 2.0  # m of unknown floor around the known floor through which a way may lead
-FLAT_RANGE = 5.0  # m around the robot
+ASIDE_RANGE = 5.0  # m around the robot where it may go aside
 FORBIDDEN_RANGE = 2.5  # m around the robot within which goto is told of forbidden places
 IN_VIEW = 1.5  # s since the last hit, within which an obstacle is in view
 TRAIL_SPACING = 0.1  # m between two points of the trail
@@ -179,15 +179,14 @@ class Memory:
             hope=hope,
         )
 
-    def survey_near(self, margin: float = 0.0) -> Ground:
-        """Return the costs of the floor near the robot, or within a larger margin, m, without hints."""
-        near = self.parameters.near + self.outline.sweep
-        area = self.grid.area.around(self.place, margin=max(near, margin))
+    def survey_near(self) -> Ground:
+        """Return the costs of the floor near the robot, without hints."""
+        area = self.grid.area.around(self.place, margin=self.parameters.near + self.outline.sweep)
         return Ground.of(area, self.outline, self.parameters.cost, self._robot)
 
     def survey_flat(self) -> Terrain:
         """Return the costs of the floor near the robot for any heading, without hints."""
-        area = self.grid.area.around(self.place, margin=FLAT_RANGE)
+        area = self.grid.area.around(self.place, margin=ASIDE_RANGE)
         return terrain(area, self.half_width, self.parameters.cost, robot=self.place)
 
     def is_forbidden(self, place: Place) -> bool:

@@ -81,7 +81,7 @@ class Pausing:
             return False
         if (found := situation.look_past(waiting, now)) is not None:
             self._machine.happens(MissionEvent.WAY_FOUND, now, f"a way of {found:.1f} m")
-        elif waiting.cost < inf and not waiting.is_aside and situation.guide.goes_on(now):
+        elif waiting.cost < inf and situation.guide.goes_on(now):
             self._machine.happens(MissionEvent.WAY_FOUND, now, "what was in the way moves on")
         elif waiting.hopes and situation.guide.is_hopeless(now):
             self._machine.happens(MissionEvent.WAITED_ENOUGH, now, f"it is a wall: {waiting.why}")
@@ -101,8 +101,8 @@ class Pausing:
         return True
 
     def _watch(self, waiting: Waiting) -> Order:
-        """Face the place where the way is barred; a robot aside sees it already, and its tail would be in the way."""
-        if waiting.place is None or waiting.is_aside:
+        """Face the place where the way is barred."""
+        if waiting.place is None:
             return REST
         guide = self._situation.guide
         heading = guide.direction(waiting.place)

@@ -9,9 +9,8 @@ from math import hypot, pi
 import numpy as np
 
 from apps.indoor_navigation.algorithms.planning.area import PASSED
-from apps.indoor_navigation.algorithms.planning.aside import MAX_ASIDE_COST
 from apps.indoor_navigation.algorithms.planning.orders import REST, Order
-from apps.indoor_navigation.algorithms.planning.search import NO_WAY, costs_to
+from apps.indoor_navigation.algorithms.planning.search import MAX_ASIDE_COST, NO_WAY, costs_to
 from apps.indoor_navigation.algorithms.planning.situation import Situation
 from apps.indoor_navigation.algorithms.planning.states import MissionEvent
 from apps.indoor_navigation.data import GoalPoint, Place

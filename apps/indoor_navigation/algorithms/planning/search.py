@@ -14,7 +14,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
-from apps.indoor_navigation.algorithms.planning.terrain import BARRED, Terrain
+from apps.indoor_navigation.algorithms.planning.area import PASSED
+from apps.indoor_navigation.algorithms.planning.terrain import BARRED, Strip, Terrain, covered
 from apps.indoor_navigation.data import Bools, Floats, Place
 
 MAX_SWEEPS = 40  # a labyrinth needs one for each turn back
@@ -25,6 +26,12 @@ MAX_COST_RATIO = 1.001  # of a straight piece to the pieces that it replaces; ab
 PASSES = 2  # of straightening, from either end in turn; even, to keep the direction
 NO_WAY = 4e5  # cells; a free way costs less, and a barred one more
 ROUNDING = 1e-2  # of costs, by adding in another order
+
+# A place aside, where the robot lets a person pass.
+PASSING_ROOM = 0.5  # m beside the robot that a person needs to pass
+VIEW = 1.1  # m ahead within which a person waits for the robot to go away
+MAX_ASIDE_COST = 3.0  # of a metre of the floor where the robot waits; floor with a higher cost is too near to obstacles
+MAX_WAY_COST = 5.0  # of the way to that place
 
 Way = tuple[Place, ...]
 Cell = tuple[int, int]
@@ -58,16 +65,33 @@ def find_way(terrain: Terrain, start: Place, goal: Place, tolerance: float) -> W
     return _straightened(terrain, (start, *places[1:-1], last))
 
 
+def way_aside(
+    ground: Terrain, robot: Place, ways: Sequence[Way], barred: Place | None, half_width: float
+) -> Way | None:
+    """Return the cheapest way to known floor beside other ways, and away from where they are barred; None if far.
+
+    There the robot is in nobody's way who wants to come from where it is going, or from where it was.
+
+    Args:
+        ground: Around the robot.
+        robot: Where it is.
+        ways: Ways that must stay free.
+        barred: Where the way is barred, if known.
+        half_width: Of the robot, m.
+    """
+    strips = [Strip(*piece, half_width + PASSING_ROOM) for way in ways for piece in pairwise(way)]
+    strips += [Strip(barred, barred, half_width + VIEW)] if barred is not None else []
+    is_place = (ground.area.evidence <= PASSED) & (ground.cost <= MAX_ASIDE_COST) & ~covered(ground.area, strips)
+    costs = np.where(is_place, costs_to(ground, robot, 0.0), np.inf)
+    row, column = np.unravel_index(int(costs.argmin()), costs.shape)
+    if not costs[row, column] * ground.area.resolution <= MAX_WAY_COST:
+        return None
+    return find_way(ground, robot, ground.area.place(int(row), int(column)), 0.0)
+
+
 def costs_to(terrain: Terrain, goal: Place, tolerance: float) -> Floats:
     """Return the cost from each cell to the goal, in lengths of a cell; NO_WAY or more where there is no way."""
     return _swept(terrain, goal, tolerance).costs
-
-
-def costs_to_any(terrain: Terrain, is_place: Bools) -> Floats:
-    """Return the cost from each cell to the nearest of some cells, as `costs_to`."""
-    field = _Field(terrain.cost, np.where(is_place & (terrain.cost < BARRED), 0.0, BARRED))
-    field.sweep()
-    return field.costs
 
 
 def _straightened(terrain: Terrain, way: Way) -> Way:

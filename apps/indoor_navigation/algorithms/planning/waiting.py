@@ -5,9 +5,9 @@ from math import inf
 
 from apps.indoor_navigation.data import Place
 
+ASIDE = "aside, since "
 MIN_INTERVAL = 15.0  # s before the robot makes way again, so that it can drive on meanwhile
 FARTHER = 5.0  # m driven since the robot made way, after which it meets others and counts anew
-OTHER_WAYS = 3  # aside that the robot tries where the first one is barred
 
 
 @dataclass(frozen=True, slots=True)
@@ -16,7 +16,6 @@ class Waiting:
 
     why: reason in words. since: s. cost: of the way without the obstacle; `inf` if any way ends waiting. place: where
     the way is barred, if known. is_last_hope: whether there is no other way. passages: that another robot has.
-    is_aside: whether the robot has left its way.
     """
 
     why: str
@@ -26,7 +25,6 @@ class Waiting:
     place: Place | None = None
     is_last_hope: bool = False
     passages: frozenset[str] = frozenset()
-    is_aside: bool = False
 
     @property
     def hopes(self) -> bool:
@@ -37,10 +35,10 @@ class Waiting:
         """Return the cost of a way that ends waiting: with a detour as long as the time waited, or a short one, m."""
         return self.cost + detour + speed * (now - self.since)
 
-    def aside(self, now: float, least: float) -> "Waiting":
-        """Return the same waiting aside, for some s at least. It begins anew: only now can others pass."""
-        why = self.why if self.is_aside else f"aside, since {self.why}"
-        return replace(self, why=why, since=now, until=max(self.until, now + least), is_aside=True)
+    def aside(self, until: float) -> "Waiting":
+        """Return the same waiting aside, until this time at least."""
+        why = self.why if self.why.startswith(ASIDE) else f"{ASIDE}{self.why}"
+        return replace(self, why=why, until=max(self.until, until))
 
 
 FOR_SIGHT = Waiting("nothing is seen; see whether sonar and laser work", -inf, inf)
@@ -56,7 +54,6 @@ class MakingWay:
         """most: maximum number of times in one neighbourhood."""
         self._most = self._left = most
         self._went = self._travelled = -inf
-        self._other_ways = 0  # that are left to try
         self.waiting: Waiting | None = None
 
     def is_worth(self, now: float, travelled: float) -> bool:
@@ -67,13 +64,7 @@ class MakingWay:
         """Begin to go aside."""
         self._left = self._left_at(travelled) - 1
         self._travelled = travelled
-        self._other_ways = OTHER_WAYS
         self.waiting = waiting
-
-    def tries_again(self) -> bool:
-        """Return whether another way aside is to be tried, where this one is barred; count it."""
-        self._other_ways -= 1
-        return self._other_ways >= 0
 
     def _left_at(self, travelled: float) -> int:
         return self._most if travelled - self._travelled > FARTHER else self._left

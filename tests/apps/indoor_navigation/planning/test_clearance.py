@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from apps.indoor_navigation.algorithms.outline import Outline
 from apps.indoor_navigation.algorithms.planning.clearance import _covering
-from apps.indoor_navigation.algorithms.planning.lattice import Near, PlanSearch
+from apps.indoor_navigation.algorithms.planning.lattice import PlanSearch
 from apps.indoor_navigation.algorithms.planning.memory import Memory
 from apps.indoor_navigation.algorithms.planning.terrain import distances
 from apps.indoor_navigation.data import Floats, ObstRead, Place
@@ -101,7 +101,7 @@ def test_a_plan_leads_through_a_narrow_gap_without_a_touch_wherever_the_cells_li
         memory.see(scanned(lines, (x, y), heading, rng, scan * 0.1))
     ground = memory.survey(goal, 3.0)
     assert ground is not None
-    plan = PlanSearch(ground, Near(goal, 0.2)).find()
+    plan = PlanSearch(ground, goal, 0.2).find()
     assert plan is not None
     parts = np.linspace(0.0, 1.0, 200)[:, None, None]
     walls = (lines[:, :2] + parts * (lines[:, 2:] - lines[:, :2])).reshape(-1, 2)

@@ -287,18 +287,6 @@ def test_where_no_laser_looks_sonar_shows_what_is_there_and_what_has_gone() -> N
     assert not occupied(grid, -0.85, 0.05)
 
 
-@pytest.mark.parametrize("has_laser", [True, False])
-def test_an_echo_from_the_edge_of_the_cone_is_what_the_laser_has_seen_there(has_laser: bool) -> None:
-    jamb, on_axis = (-0.85, 0.25), (-0.83, 0.05)  # 0.35 rad from the axis of a disc 0.3 m behind the middle
-    grid = Grid(PARAMETERS)
-    grid.see(reading((*jamb, True)))
-    ahead = [(0.0, 0.0, 5.05, 0.05), (0.0, 0.0, 5.05, 0.05)] if has_laser else []  # two rays from one place are a scan
-    x, y, end_x, end_y = np.array([*ahead, (-0.3, 0.05, *on_axis)]).T
-    grid.see(ObstRead(0.1, (0.0, 0.0, 0.0), None, 0.0, x, y, end_x, end_y, np.ones(len(x)), False))
-    assert occupied(grid, *jamb)
-    assert occupied(grid, *on_axis) is not has_laser
-
-
 def is_wall(grid: Grid, x: float, y: float) -> bool:
     return bool(grid.area.walls[grid.area.cell(x, y)])
 

@@ -12,7 +12,7 @@ from apps.indoor_navigation.algorithms.outline import Outline
 from apps.indoor_navigation.algorithms.planning.area import Area
 from apps.indoor_navigation.algorithms.planning.clearance import Clearance
 from apps.indoor_navigation.algorithms.planning.ground import Ground
-from apps.indoor_navigation.algorithms.planning.lattice import Near, PlanSearch, turn_piece
+from apps.indoor_navigation.algorithms.planning.lattice import PlanSearch, turn_piece
 from apps.indoor_navigation.algorithms.planning.plan import Motion, Plan
 from apps.indoor_navigation.algorithms.planning.terrain import BARRED, Hints, Strip
 from apps.indoor_navigation.algorithms.rays import in_robot
@@ -31,7 +31,7 @@ BOXES = st.lists(st.tuples(st.floats(1.5, 4.5), st.floats(0.0, 5.5), st.floats(0
 
 
 def find_plan(floor: Ground, goal: Place, tolerance: float) -> Plan | None:
-    return PlanSearch(floor, Near(goal, tolerance)).find()
+    return PlanSearch(floor, goal, tolerance).find()
 
 
 def area(*boxes: Box, seen: bool = True) -> Area:

@@ -1,6 +1,6 @@
 """How often a robot goes aside for somebody."""
 
-from apps.indoor_navigation.algorithms.planning.waiting import FARTHER, MIN_INTERVAL, OTHER_WAYS, MakingWay, Waiting
+from apps.indoor_navigation.algorithms.planning.waiting import FARTHER, MIN_INTERVAL, MakingWay, Waiting
 
 WAITING = Waiting("something is in the way", 0.0, 9.0)
 
@@ -29,17 +29,3 @@ def test_between_two_times_it_drives_on() -> None:
     making_way = made_way(1, 0.0)
     assert not making_way.is_worth(0.9 * MIN_INTERVAL, 20.0)
     assert making_way.is_worth(MIN_INTERVAL, 20.0)
-
-
-def test_where_a_way_aside_is_barred_so_many_others_are_tried_each_time() -> None:
-    making_way = made_way(0, 0.0)
-    for _ in range(2):
-        making_way.begin(WAITING, 0.0)
-        assert [making_way.tries_again() for _ in range(OTHER_WAYS + 1)] == [*[True] * OTHER_WAYS, False]
-
-
-def test_the_waiting_begins_anew_aside() -> None:
-    aside = WAITING.aside(20.0, 12.0)
-    assert (aside.why, aside.since, aside.until) == ("aside, since something is in the way", 20.0, 32.0)
-    assert aside.aside(33.0, 12.0).why == aside.why
-    assert Waiting("something is in the way", 0.0, 60.0).aside(20.0, 12.0).until == 60.0, "no sooner than before"
