@@ -197,8 +197,10 @@ class HearsLate(Planning):
 
     @answers_query("state")
     def tell_state(self) -> dict[str, Any]:
+        if self.goal is None:
+            raise Refused("the goal is really on its way")  # on a busy machine; this must not count as the first time
         told = super().tell_state()
-        if self.goal is not None and not self.is_asked_again:
+        if not self.is_asked_again:
             self.is_asked_again = True
             return {**told, "mission": ""}
         return told
