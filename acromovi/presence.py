@@ -8,7 +8,7 @@ from bus.errors import BusError
 from bus.keys import ALIVE, robot_name, split
 from bus.meeting import wait_for_others
 
-MEETING_TIME = 2.0  # s in which a robot that is there must have been seen, on a loaded machine too
+MEETING_TIME = 2.0  # s in which a robot that is there has been seen, once the bus has met all programs
 
 
 class UnknownRobot(BusError, LookupError):

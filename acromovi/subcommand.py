@@ -49,7 +49,7 @@ class LazyParser(CommandParser):
         super().__init__(**given)
         self._module = module
 
-    def parse_known_args(  # type: ignore[override]  # as in the base class
+    def parse_known_args(  # type: ignore[override]  # argparse's overloads say no more than this
         self, args: Sequence[str] | None = None, namespace: Any = None
     ) -> tuple[Any, list[str]]:
         """Parse as the base class does, with the arguments of the module."""

@@ -199,7 +199,7 @@ def _convert(kind: Any, value: Any, source: str, path: str) -> Any:
             item = get_args(kind)[1] if get_args(kind) else Any
             return {key: _convert(item, each, source, f"{path}.{key}") for key, each in value.items()}
     elif is_dataclass(kind) and isinstance(value, dict):
-        return _build_dataclass(kind, value, source, path + ".")  # type: ignore[arg-type] # is_dataclass allows instances too
+        return _build_dataclass(kind, value, source, path + ".")  # type: ignore[arg-type]  # is_dataclass allows instances too
     elif kind is Any:
         return value
     elif isinstance(kind, type):

@@ -22,19 +22,19 @@ EMULATOR = [sys.executable, "-m", "p2os_emu", "--robot", "p3dx", "--world", "emp
 def forks(request: pytest.FixtureRequest) -> Forks:
     if request.config.getoption("--no-forks"):
         pytest.skip("programs do not begin as copies with --no-forks")
-    forks = subprocess._fork_exec  # type: ignore[attr-defined]  # private: the stubs do not have it
+    forks = getattr(subprocess, "_fork_exec", None)
     assert isinstance(forks, Forks)
     return forks
 
 
-def test_a_copy_prints_and_ends_as_a_program_with_an_interpreter_of_its_own(forks: Forks, tmp_path: Path) -> None:
+def test_a_copy_prints_and_ends_as_a_program_with_an_interpreter_of_its_own(
+    forks: Forks, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     wrong = [sys.executable, "-m", "gateway", "--nonsense"]
     copies = [run(command, cwd=tmp_path) for command in (LISTING, wrong)]
-    subprocess._fork_exec = forks.fork_exec  # type: ignore[attr-defined]  # private, as in tests/forks.py
-    try:
+    with monkeypatch.context() as without:
+        without.setattr(subprocess, "_fork_exec", forks.fork_exec)
         others = [run(command, cwd=tmp_path) for command in (LISTING, wrong)]
-    finally:
-        subprocess._fork_exec = forks  # type: ignore[attr-defined]  # private, as in tests/forks.py
     assert [(each.returncode, each.stdout, each.stderr) for each in copies] == [
         (each.returncode, each.stdout, each.stderr) for each in others
     ]

@@ -59,7 +59,7 @@ def _completed(parameters_type: type[Any], table: Table) -> Table:
     for field in fields(parameters_type):
         kind, value = hints[field.name], table.get(field.name)
         if is_dataclass(kind) and (isinstance(value, Mapping) or _is_missing(field, table)):
-            completed[field.name] = _completed(kind, value or {})  # type: ignore[arg-type] # is_dataclass allows instances
+            completed[field.name] = _completed(kind, value or {})  # type: ignore[arg-type]  # is_dataclass allows instances
         elif _is_missing(field, table):
             shipped = [_shipped()[base] for base in parameters_type.__mro__ if base in _shipped()]
             completed |= next(({field.name: each[field.name]} for each in shipped if field.name in each), {})

@@ -39,7 +39,7 @@ class CameraServer(ThreadingHTTPServer):
     def handle_error(self, request: object, client_address: object) -> None:
         """Ignore viewers that disconnect or do not read while a picture is sent."""
         if not isinstance(sys.exception(), ConnectionError | TimeoutError):
-            super().handle_error(request, client_address)  # type: ignore[arg-type] # narrower there
+            super().handle_error(request, client_address)  # type: ignore[arg-type]  # narrower there
 
 
 class _Handler(BaseHTTPRequestHandler):

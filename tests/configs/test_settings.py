@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -28,13 +29,11 @@ def kind(tmp_path: Path) -> type[ShippedSettings]:
     return Speeds
 
 
-def test_changes_of_a_file_and_of_a_table_are_laid_over_what_is_shipped(
-    kind: type[ShippedSettings], tmp_path: Path
-) -> None:
+def test_changes_of_a_file_and_of_a_table_are_laid_over_what_is_shipped(kind: Any, tmp_path: Path) -> None:
     own = tmp_path / "own.toml"
     own.write_text("slow = 0.2\n", encoding="utf-8")
-    assert kind.load() == kind(0.5, 1.0)  # type: ignore[call-arg]  # the fields are those of the class above
-    assert kind.load(own, {"fast": 3}) == kind(0.2, 3.0)  # type: ignore[call-arg]  # the fields are those of the class above
+    assert kind.load() == kind(0.5, 1.0)
+    assert kind.load(own, {"fast": 3}) == kind(0.2, 3.0)
 
 
 @pytest.mark.parametrize(

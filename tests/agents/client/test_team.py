@@ -171,11 +171,13 @@ def test_a_name_that_can_name_no_robot_is_a_robot_error(team: Team) -> None:
 
 
 def test_numbers_may_be_those_of_numpy(team: Team) -> None:
+    half: Any = np.float32(0.5)  # to mypy these are neither floats nor integers
+    one: Any = np.int64(1)
     base = team.robot("happy").base
-    assert base.move(np.float32(0.5)).x == 0.5  # type: ignore[arg-type]  # no float to mypy, and taken all the same
-    assert base.move(np.int64(1)).x == 1.5  # type: ignore[arg-type]  # no float to mypy, and taken all the same
-    assert team.ask("base@happy", "move", distance=np.float32(0.5))["x"] == 2.0
-    base.drive(np.float32(0.25))  # type: ignore[arg-type]  # no float to mypy, and taken all the same
+    assert base.move(half).x == 0.5
+    assert base.move(one).x == 1.5
+    assert team.ask("base@happy", "move", distance=half)["x"] == 2.0
+    base.drive(half / 2)
 
 
 def test_readings_have_types_and_what_is_not_seen_is_far(world: World, team: Team) -> None:
