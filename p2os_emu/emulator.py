@@ -34,6 +34,7 @@ class EmulatedRobot:
     is_frozen: the firmware hangs; the wheels keep the speed it commanded last, and bytes that come are lost.
     is_powered: whether controller and accessories have power.
     body: what the controller reaches, with its faults.
+    sounds: its buzzer plays something.
     """
 
     name: str
@@ -47,6 +48,7 @@ class EmulatedRobot:
     is_frozen: bool = False
     is_powered: bool = True
     was_attached: bool = False
+    sounds: bool = False
 
     @property
     def silence(self) -> float:
@@ -253,6 +255,10 @@ class Emulator:
         robots = tuple(self.robots.values())
         now = self.world.time
         replies = [robot.think(now) for robot in robots]
+        for robot in robots:
+            if (sounds := robot.microcontroller.sounds) and not robot.sounds:
+                self.world.sound(robot.name)
+            robot.sounds = sounds
         self.world.step()
         now = self.world.time
         for robot, reply in zip(robots, replies, strict=True):

@@ -70,6 +70,9 @@ class EmulatedSurroundings(Protocol):
     def touches(self, name: str) -> Touches:
         """Collisions of a robot."""
 
+    def sound(self, name: str) -> None:
+        """Let people hear a sound of a robot."""
+
     def people(self) -> Mapping[str, tuple[float, float, float, bool]]:
         """Where everybody is who walks about, m, m, rad, and whether they walk just now."""
 

@@ -77,6 +77,10 @@ class Buzzer:
             name, seconds = self._sounds[number - 1]
             self._play(now, None, seconds, name)
 
+    def plays(self, now: float) -> bool:
+        """Return whether a note, a rest between two or a sound is being played."""
+        return now < self._ends
+
     def playlist(self, number: int) -> list[PlaylistEntry]:
         """The answer to PLAYLIST: one sound, or with 0 how many there are and then all of them."""
         offset = 0

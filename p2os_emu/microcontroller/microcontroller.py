@@ -70,6 +70,11 @@ class Microcontroller:
         """Last notes of the buzzer, oldest first."""
         return tuple(self.board.buzzer.notes)
 
+    @property
+    def sounds(self) -> bool:
+        """The buzzer plays something."""
+        return self.board.buzzer.plays(self.board.time)
+
     def power_cycle_aux(self) -> None:
         """Switch the devices on the AUX ports off and on, as the robot's power switch does."""
         for port in self.board.aux.values():

@@ -10,6 +10,7 @@ from p2os_emu.world.objects import MovingObject
 from p2os_emu.world.people import Person
 from p2os_emu.world.presence import Footprint
 from p2os_emu.world.spec import WorldSpec
+from p2os_emu.world.stepping_aside import Asker
 from p2os_emu.world.walkers import PersonPlace, Walkers
 
 
@@ -17,7 +18,7 @@ class Bystanders:
     """People and doors of one world. Each waits for the other, and both for robots; things only keep doors open."""
 
     def __init__(self, client: PhysicsClient, spec: WorldSpec, seed: int) -> None:
-        self._people = Walkers(client, spec.people, seed)
+        self._people = Walkers(client, spec, seed)
         self._leaves = Leaves(client, spec.moving_doors, seed)
         self._there_are_any = bool(spec.people or spec.moving_doors)
 
@@ -45,6 +46,10 @@ class Bystanders:
         self._leaves.step(lambda: (*robots(), *self._people.presences().values(), *things()))
         if self._people:
             self._people.step(lambda: (*robots(), *self._leaves.in_gaps().values()))
+
+    def hear(self, asker: Callable[[], Asker | None]) -> None:
+        """Let people hear the sound of a robot; asker: where it is, None when it has gone."""
+        self._people.hear(asker)
 
     def stop_people(self, on: bool) -> None:
         """Stop the people, or let them walk again."""

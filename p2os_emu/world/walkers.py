@@ -2,7 +2,9 @@
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from functools import cache, partial
 from itertools import pairwise
+from math import dist, inf
 from random import Random
 from typing import NamedTuple
 
@@ -15,6 +17,7 @@ from p2os_emu.world.objects import MovingObject
 from p2os_emu.world.people import BODY_RADIUS, HEIGHT, HIP, LEG_HEIGHT, LEG_RADIUS, Person
 from p2os_emu.world.presence import Footprint
 from p2os_emu.world.spec import WorldSpec, rectangle
+from p2os_emu.world.stepping_aside import BERTH, MORE_BERTH, WALL_BERTH, Asker, place_aside, place_away
 from p2os_emu.world.walk import Walk
 
 LOOK_AHEAD = 0.8
@@ -23,6 +26,8 @@ ELBOW_ROOM = 0.1
 """m on each side that must be free for them to walk on."""
 STEP_BACK = 0.1
 """m that must be free ahead of somebody who has bumped into something, before they walk on."""
+PASSED = 1.0
+"""m by which a robot that asked somebody is farther away than it has been, before they go back to their route."""
 LOOK_PERIOD = 3
 """Steps from one look at what is ahead to the next."""
 _CORNERS = 12  # of the polygon that stands for a circle
@@ -45,6 +50,9 @@ class Walker:
         self.person = person
         self.walks = True
         self._is_blocked = False
+        self._asker: Callable[[], Asker | None] = _nobody
+        self._times_asked = 0  # again, while they stand aside
+        self._nearest = inf  # m that the robot that asked them has come to them
         self._client = client
         self._walk = Walk(person, random)
         self.body = build_person(client, BODY_RADIUS, HEIGHT)
@@ -56,8 +64,28 @@ class Walker:
         return self._walk.place
 
     def look(self, others: Sequence[Footprint]) -> None:
-        """See whether others are in the way."""
+        """See whether others are in the way, and whether a robot for which they stepped aside has passed."""
         self._is_blocked = self._meets(others)
+        if self._walk.is_aside and self._walk.is_resting:
+            asker = self._asker()
+            away = inf if asker is None else dist((asker.pose.x, asker.pose.y), (self.place.x, self.place.y))
+            self._nearest = min(self._nearest, away)
+            if away > self._nearest + PASSED or asker is None:
+                self._walk.go_back()
+
+    def hear(self, asker: Callable[[], Asker | None], walking: FreeSpace, passing: FreeSpace) -> None:
+        """Let a robot pass that asks for it by a sound: step aside, or walk away where there is no room for that."""
+        robot, here = asker(), (self.place.x, self.place.y)
+        if robot is None or not self.person.gives_way or not robot.means(here):
+            return
+        is_aside = self._walk.is_aside
+        self._times_asked = min(self._times_asked + 1, 2) if is_aside else 0
+        route = self._walk.on_route
+        place = place_aside(here, route, robot, walking, passing, BERTH + MORE_BERTH * self._times_asked)
+        if place is None and not is_aside and self._walk.walk_away((robot.pose.x, robot.pose.y)):
+            return
+        self._asker, self._nearest = asker, inf
+        self._walk.step_aside(place or place_away(here, route, robot, walking))
 
     def step(self) -> None:
         """Let `STEP` seconds pass."""
@@ -80,6 +108,8 @@ class Walker:
     @property
     def _room_wanted(self) -> tuple[float, float]:
         """What must be free ahead and on each side, m; who does not give way stops when they have bumped."""
+        if self._walk.is_aside:
+            return STEP_BACK, 0.0
         if self.person.gives_way:
             return LOOK_AHEAD, ELBOW_ROOM
         return (0.0 if self.walks else STEP_BACK), 0.0
@@ -101,10 +131,11 @@ class Walker:
 class Walkers:
     """All people in one world. stand_still: nobody takes a step."""
 
-    def __init__(self, client: PhysicsClient, people: Sequence[Person], seed: int) -> None:
+    def __init__(self, client: PhysicsClient, spec: WorldSpec, seed: int) -> None:
         self.stand_still = False
         self._steps = 0
-        self._walkers = [Walker(client, person, Random(f"{seed} {person.name} walk")) for person in people]
+        self._free_space = cache(partial(FreeSpace, spec))
+        self._walkers = [Walker(client, person, Random(f"{seed} {person.name} walk")) for person in spec.people]
 
     def __bool__(self) -> bool:
         return bool(self._walkers)
@@ -135,6 +166,15 @@ class Walkers:
         for walker in self._walkers:
             walker.step()
 
+    def hear(self, asker: Callable[[], Asker | None]) -> None:
+        """Let everybody hear the sound of a robot; asker: where it is, None when it has gone."""
+        robot = asker()
+        if robot is None or not self._walkers:
+            return
+        walking, passing = self._free_space(BODY_RADIUS), self._free_space(robot.width / 2.0 + WALL_BERTH)
+        for walker in self._walkers:
+            walker.hear(asker, walking, passing)
+
     def moving(self) -> Iterator[MovingObject]:
         """Each leg and each body where it is now."""
         for walker in self._walkers:
@@ -162,6 +202,10 @@ def check_routes(spec: WorldSpec) -> None:
                     f"world {spec.name!r}: {person.name} cannot walk from {list(a)} to {list(b)} m: something stands "
                     f"within {BODY_RADIUS} m of the way; move a waypoint of the route"
                 )
+
+
+def _nobody() -> None:
+    """Return no robot: nobody has asked yet."""
 
 
 def _disc(middle: Point, radius: float) -> Polygon:

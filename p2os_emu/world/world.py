@@ -34,6 +34,7 @@ from p2os_emu.world.sight import Sight
 from p2os_emu.world.sonar import HEIGHT, SonarRays, level_fan
 from p2os_emu.world.sonar_scene import Solid, SonarScene
 from p2os_emu.world.spec import Block, WorldSpec
+from p2os_emu.world.stepping_aside import Asker
 from p2os_emu.world.textures import choose_texture
 from p2os_emu.world.touches import TouchLog
 from p2os_emu.world.walkers import PersonPlace, check_routes
@@ -278,6 +279,21 @@ class World:
         """
         self._robot(name)
         return self._touches[name].touches
+
+    def sound(self, name: str) -> None:
+        """Let people hear a sound of a robot; who is near ahead of it lets it pass.
+
+        Raises:
+            WorldError: There is no such robot.
+        """
+        robot = self._robot(name)
+
+        def asker() -> Asker | None:
+            if self._robots.get(name) is not robot:
+                return None
+            return Asker(robot.pose, robot.model.width, robot.chassis.sweep)
+
+        self._bystanders.hear(asker)
 
     def people(self) -> Mapping[str, PersonPlace]:
         """Where everybody is who walks about."""

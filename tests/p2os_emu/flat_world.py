@@ -119,6 +119,9 @@ class FlatWorld:
         """There is nothing to bump into."""
         return Touches()
 
+    def sound(self, name: str) -> None:
+        """Nobody hears it."""
+
     def people(self) -> Mapping[str, tuple[float, float, float, bool]]:
         """There are none."""
         return {}
