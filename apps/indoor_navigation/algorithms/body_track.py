@@ -17,6 +17,7 @@ MOVED_TIME = 30.0  # s in which the evidence of a motion fades, and likewise for
 UNCONFIRMED_TIME = 10.0  # s for which something in view that does not look like a leg is still taken for one
 MOTION, MAX_MOTION = 1.5, 4.0  # for each scan with a motion; most of all
 THIN, LEG = 0.06, 0.09  # m; a table's leg is no wider, a person's no thinner
+WIDEST_LEG, POST = 0.18, 0.24  # m; a person's leg is no wider, and two with nothing between them seldom narrower
 WIDTH_ERROR = 0.01  # m, beside half a beam
 TOO_THIN = -0.9  # of a width, after one clear view of it
 MAX_WIDTH_STEP, MIN_WIDTH, MAX_WIDTH = 1.0, -5.0, 0.5
@@ -99,7 +100,8 @@ class BodyTrack:
     def _take_width(self, width: float, error: float) -> None:
         """Add the evidence of a width, m."""
         thicker, thinner = max(0.0, width - THIN) / error, max(0.0, LEG - width) / error
-        step = (thicker * thicker - thinner * thinner) / 2.0
+        wider, slimmer = max(0.0, width - WIDEST_LEG) / error, max(0.0, POST - width) / error
+        step = min(thicker * thicker - thinner * thinner, slimmer * slimmer - wider * wider) / 2.0
         step = max(-MAX_WIDTH_STEP, min(MAX_WIDTH_STEP, step))
         self.width = max(MIN_WIDTH, min(MAX_WIDTH, self.width + step))
 

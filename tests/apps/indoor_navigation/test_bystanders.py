@@ -130,6 +130,17 @@ def test_a_single_post_is_a_body_until_it_is_seen_from_another_side() -> None:
     assert len(watch.look((1.2, 0.0, POST)).x) == 0, "it is remembered"
 
 
+@pytest.mark.parametrize("radius", [0.11, 0.12])
+def test_a_post_that_is_wider_than_a_leg_is_soon_seen_to_be_none(radius: float) -> None:
+    assert len(Watch().look((1.2, 0.0, radius)).x) == 1
+    assert len(Watch().look((1.2, 0.0, radius), poses=[ORIGIN] * AFTER_SOME_TIME).x) == 0
+
+
+@pytest.mark.parametrize("radius", [0.05, 0.09])
+def test_a_leg_stays_one_for_who_stands_before_it(radius: float) -> None:
+    assert len(Watch().look((1.2, 0.0, radius), poses=[ORIGIN] * AFTER_SOME_TIME).x) == 1
+
+
 def test_a_person_is_a_body_from_all_sides() -> None:
     watch = Watch()
     for pose in around(1.2, 0.0, 1.2, radians(120.0)):
