@@ -63,13 +63,15 @@ class _NoParameters:
 class Component(Agent):
     """One component. Its properties are its entry in the wiring file: `numbers`, `hears`, `tells`, `asks`.
 
-    role: its layer. gives: what it pushes. tells: what it sends. parameters_type: the dataclass of its parameters.
-    is_pulled: whether it works while a program subscribes to what it pushes; without that only while it has work.
+    role: its layer. gives: what it pushes. tells: what it sends. may_tell: what it also sends if the wiring says to
+    whom. parameters_type: the dataclass of its parameters. is_pulled: whether it works while a program subscribes to
+    what it pushes; without that only while it has work.
     """
 
     role: ClassVar[Role]
     gives: ClassVar[tuple[type[Data], ...]] = ()
     tells: ClassVar[tuple[type[Data], ...]] = ()
+    may_tell: ClassVar[tuple[type[Data], ...]] = ()
     parameters_type: ClassVar[type[Any]] = _NoParameters
     is_pulled: ClassVar[bool] = True
 
@@ -140,7 +142,8 @@ class Component(Agent):
     def tell(self, data: Data) -> None:
         """Send data reliably to the components that the wiring names; may block while the link is congested."""
         kind = type(data)
-        for receiver in self.properties["tells"][kind.bus_name]:
+        told = self.properties["tells"]
+        for receiver in told.get(kind.bus_name, ()) if kind in self.may_tell else told[kind.bus_name]:
             self.bus.send(send_key(self.robot, receiver, kind), data.to_json())
 
     async def ask(self, what: str, **arguments: Any) -> dict[str, Any]:

@@ -135,6 +135,14 @@ class LogMessage(Data):
     what: str
 
 
+@dataclass(frozen=True, slots=True)
+class WayRequest(Data):
+    """The robot asks whoever is in its way to let it pass; the base makes it a sound."""
+
+    stamp: float
+    mission: str
+
+
 GO, BACK, TURN, REST = "go", "back", "turn", "rest"  # aims of a WorldCoord
 
 

@@ -73,12 +73,13 @@ class FlatBody:
 class FlatWorld:
     """An endless floor. Robots start side by side, 2 m apart, and pass through each other.
 
-    bodies, moves: by robot name.
+    bodies, moves, sounds: by robot name.
     """
 
     def __init__(self) -> None:
         self.bodies: dict[str, FlatBody] = {}
         self.moves: Counter[str] = Counter()
+        self.sounds: Counter[str] = Counter()
         self._steps = 0
 
     @property
@@ -120,7 +121,8 @@ class FlatWorld:
         return Touches()
 
     def sound(self, name: str) -> None:
-        """Nobody hears it."""
+        """Note it."""
+        self.sounds[name] += 1
 
     def people(self) -> Mapping[str, tuple[float, float, float, bool]]:
         """There are none."""

@@ -91,6 +91,20 @@ def test_run_repeats_with_the_seed() -> None:
     assert said(3) == said(3)
 
 
+def test_the_world_hears_each_tune_once_and_nothing_of_a_buzzer_that_is_off() -> None:
+    rig = Rig()
+    rig.connect()
+    tune = Command.SAY, b"\x0a\x45\x05\x00\x0a\x51"  # 0.2 s, a rest of 0.1 s, 0.2 s
+    for _ in range(2):
+        rig.link.client_write(encode_command(*tune))
+        rig.run(1.0)
+    assert rig.world.sounds == {"happy": 2}
+    rig.tell(Command.SOUNDTOG, 0)
+    rig.link.client_write(encode_command(*tune))
+    rig.run(1.0)
+    assert rig.world.sounds == {"happy": 2}
+
+
 def test_name_in_use_is_refused() -> None:
     rig = Rig()
     with pytest.raises(ValueError, match="there is a robot 'happy' already"):

@@ -21,6 +21,7 @@ from apps.indoor_navigation.data import (
     LogMessage,
     ObstRead,
     PlannedWay,
+    WayRequest,
     WorldCoord,
 )
 from bus import BusUnavailable, Refused
@@ -57,6 +58,7 @@ class PathPlanning(Component):
     role = Role.DELIBERATIVE
     gives = (PlannedWay,)
     tells = (WorldCoord, LogMessage)
+    may_tell = (WayRequest,)  # not in wiring files for older versions, nor for a robot that has no sound
     parameters_type = _PlanningParameters
     is_pulled = False  # whoever watches its plans wakes nobody
 
@@ -193,6 +195,8 @@ class PathPlanning(Component):
             order = self._navigator.step(self._now)
             self._passages.need(rights.needed, self._now)
             self._give(replace(order, speed=order.speed / 2.0) if is_slow else order)
+            if self._navigator.take_way_request():
+                self.tell(WayRequest(self.home.wall_time(), self._navigator.status()["mission"]))
         if not self._navigator.is_active:
             self._give(REST)
             self._passages.need((), self._now)

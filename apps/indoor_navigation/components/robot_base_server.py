@@ -10,8 +10,8 @@ from agents.platform import Agent, Cyclic, RequestNotDone, Restart
 from agents.services.lease_client import find_arbiter, leased
 from apps.indoor_navigation.algorithms.pose_history import PoseHistory, is_jump
 from apps.indoor_navigation.algorithms.sonar_memory import SonarMemory
-from apps.indoor_navigation.component import DESCRIPTION_TIMEOUT, Component, Role, answers_query, hears, reads
-from apps.indoor_navigation.data import MotionCmd, RobotOdometry, SonarRead
+from apps.indoor_navigation.component import DESCRIPTION_TIMEOUT, Component, Role, answers_query, hears, is_told, reads
+from apps.indoor_navigation.data import MotionCmd, RobotOdometry, SonarRead, WayRequest
 from bus import BusUnavailable, Refused, keys
 from bus.messages import NS_PER_S, Odometry, RangeArray, heading, stamp_ns, twist
 from geometry import Pose2D
@@ -21,6 +21,8 @@ RETRY_PERIOD = 1.0  # s between two queries for the description or the lease
 CHECK_PERIOD = (
     0.05  # s between two checks whether commands still arrive and the lease is wanted; small beside `no_command`
 )
+# What the robot plays to be let pass: MIDI notes, and how long, s; rising, as a question.
+WAY_NOTES = [[76, 0.14], [0, 0.04], [81, 0.24]]
 
 log = logging.getLogger("navigation")
 
@@ -154,6 +156,18 @@ class RobotBaseServer(Component):
             return
         self._drives = bool(command.linear or command.angular)
         self._wheels.put(twist(command.linear, command.angular), self._lease.token.encode())
+
+    @is_told(WayRequest)
+    async def ask_for_way(self, request: WayRequest) -> None:
+        """Play some notes for people in the way; a robot that cannot only waits for them."""
+        if self.home.wall_time() - request.stamp > self.parameters.oldest:
+            return
+        try:
+            await self.query(keys.SOUND.key(self.robot), {"notes": WAY_NOTES}, DESCRIPTION_TIMEOUT)
+        except BusUnavailable:
+            raise
+        except (TimeoutError, Refused) as err:
+            log.info("%s: %s does not play a sound: %s", self.name, self.robot, err)
 
     @answers_query("robot")
     def tell_robot(self) -> dict[str, Any]:

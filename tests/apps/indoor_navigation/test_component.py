@@ -8,7 +8,7 @@ import pytest
 from agents.platform import Container
 from agents.platform.virtual_time import VirtualTimeLoop
 from apps.indoor_navigation.component import Component, Role, answers_query, hears, is_told, push_key
-from apps.indoor_navigation.data import GoalPoint, RobotOdometry
+from apps.indoor_navigation.data import GoalPoint, RobotOdometry, WayRequest
 from bus import MemoryBus, NoAnswer, Refused
 
 
@@ -40,6 +40,7 @@ class Steering(Component):
 
     role = Role.REACTIVE
     tells = (GoalPoint,)
+    may_tell = (WayRequest,)
 
     def __init__(self, name: str, properties: dict[str, Any]) -> None:
         super().__init__(name, properties)
@@ -98,6 +99,12 @@ def test_what_is_sent_arrives_complete_and_in_order(pair: Pair) -> None:
         pair.steering.tell(goal)
     pair.loop.run_for(0.01)
     assert pair.base.goals == goals
+
+
+def test_what_the_wiring_does_not_send_to_anybody_is_not_sent_if_it_may_be_left_out(pair: Pair) -> None:
+    pair.steering.tell(WayRequest(1.0, "m1"))
+    pair.loop.run_for(0.01)
+    assert not pair.reports
 
 
 def test_a_query_is_answered_or_refused_or_nobody_is_there(pair: Pair) -> None:

@@ -6,10 +6,11 @@ from math import inf, nan
 import pytest
 
 from agents.platform.virtual_time import VirtualTimeLoop
+from apps.indoor_navigation.component import send_key
 from apps.indoor_navigation.components.laser_server import LaserServer
-from apps.indoor_navigation.components.robot_base_server import RobotBaseServer
-from apps.indoor_navigation.data import LaserRead, MotionCmd, RobotOdometry, SonarRead
-from bus import Refused
+from apps.indoor_navigation.components.robot_base_server import WAY_NOTES, RobotBaseServer
+from apps.indoor_navigation.data import LaserRead, MotionCmd, RobotOdometry, SonarRead, WayRequest
+from bus import MemoryBus, Refused, keys
 from tests.apps.indoor_navigation.site import ROBOT, Robot, Site
 
 
@@ -131,6 +132,43 @@ def test_the_robot_is_described(site: Site, robot: Robot) -> None:
 def test_before_the_robot_is_there_nobody_knows_it(site: Site) -> None:
     with pytest.raises(Refused, match="check whether its p2os-gateway runs"):
         site.ask("robot_base_server", "robot")
+
+
+def ask_for_way(site: Site, age: float = 0.0) -> None:
+    key = send_key(ROBOT, "robot_base_server", WayRequest)
+    site.bus.send(key, WayRequest(site.time - age, "m1").to_json())
+    site.run(0.1)
+
+
+def test_people_are_asked_for_way_by_a_sound(site: Site, robot: Robot) -> None:
+    played: list[object] = []
+
+    def play(arguments: dict[str, object]) -> dict[str, object]:
+        played.append(arguments)
+        return {}
+
+    buzzer = MemoryBus(site.network)
+    buzzer.serve(keys.SOUND.key(ROBOT), play)
+    ask_for_way(site)
+    (sound,) = played
+    assert sound == {"notes": WAY_NOTES}
+    ask_for_way(site, age=5.0)
+    assert len(played) == 1, "a request of before a freeze is not played"
+    assert site.reports == []
+
+
+def test_a_robot_that_cannot_play_a_sound_drives_as_before(site: Site, robot: Robot) -> None:
+    def refuse(arguments: dict[str, object]) -> dict[str, object]:
+        raise Refused("there is no buzzer")
+
+    ask_for_way(site)
+    buzzer = MemoryBus(site.network)
+    buzzer.serve(keys.SOUND.key(ROBOT), refuse)
+    ask_for_way(site)
+    assert site.reports == []
+    command(site, 0.2)
+    site.run(0.05)
+    assert robot.told[-1][1:] == (0.2, 0.0, "")
 
 
 def test_the_wheels_are_told_what_the_fuser_says(site: Site, robot: Robot) -> None:

@@ -186,11 +186,11 @@ class Guide:
             return None
         return _Barrier(ahead, self.plan.cost(self._survey(now, _staying).for_present_plan()))
 
-    def goes_on(self, now: float) -> bool:
-        """Return whether what barred the way has left so much of it free that the robot can follow."""
+    def goes_on(self, now: float, free: float) -> bool:
+        """Return whether what barred the way has left more than so many m of it free."""
         self.advance()
         barrier = self.barrier(now)
-        return barrier is None or (barrier.may_go and barrier.ahead > self._parameters.follow_from)
+        return barrier is None or (barrier.may_go and barrier.ahead > free)
 
     def make_way(self, barred: Place | None) -> bool:
         """Take a way to a place aside; return whether there is one near."""

@@ -83,6 +83,12 @@ class Navigator:
         """Messages for people; the caller removes those that it sends."""
         return self._situation.notes
 
+    def take_way_request(self) -> bool:
+        """Return whether people in the way are to be asked now to let the robot pass; True once for each request."""
+        situation = self._situation
+        asks, situation.asks_for_way = situation.asks_for_way, False
+        return asks
+
     def note(self, level: str, what: str) -> None:
         """Add a message about the present mission."""
         self._situation.note(level, what)

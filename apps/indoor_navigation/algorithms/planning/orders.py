@@ -14,10 +14,10 @@ class MissionParameters:
     turns to it. heading: tolerance of the heading at the goal, rad. silence: s without a reading after which
     the robot stops. look: s between two searches for a better way. detour: m of a detour that is taken at once; for a
     longer one the robot waits as long as the detour takes, but at most `patience` s. hope: s to wait for an obstacle
-    where there is no other way. sure: s without any way after which the mission fails. courtesy: s of waiting after
-    which the robot goes aside, at most `courtesies` times in one neighbourhood, to wait there for `aside` s or longer.
-    seek: s for which a robot that has lost its place on the map drives about to find it, at half speed; then the
-    mission fails.
+    where there is no other way. ask: s between two requests to people to let the robot pass, of which there are at most
+    `asks` while it waits. sure: s without any way after which the mission fails. courtesy: s of waiting after which the
+    robot goes aside, at most `courtesies` times in one neighbourhood, to wait there for `aside` s or longer. seek: s
+    for which a robot that has lost its place on the map drives about to find it, at half speed; then the mission fails.
     """
 
     speed: float
@@ -30,6 +30,8 @@ class MissionParameters:
     patience: float
     hope: float
     sure: float
+    ask: float
+    asks: int
     courtesy: float
     courtesies: int
     aside: float

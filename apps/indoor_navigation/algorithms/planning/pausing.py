@@ -12,6 +12,7 @@ from apps.indoor_navigation.algorithms.planning.situation import Situation
 from apps.indoor_navigation.algorithms.planning.states import MissionEvent
 from apps.indoor_navigation.algorithms.planning.waiting import FOR_SIGHT, Waiting
 
+YIELDED = 0.3  # m of the way that somebody who was asked leaves free, and the robot follows
 GIVE_WAY = 1.0  # s of waiting for a robot in a passage after which this one goes out of its way
 
 
@@ -61,6 +62,7 @@ class Pausing:
         if self._sees_end_of(waiting, now) or self._makes_way(waiting, now):
             return None
         if now < waiting.until:
+            self._ask(waiting, now)
             return self._watch(waiting)
         if waiting.is_last_hope and situation.has_tried_enough(now):
             return None  # as where somebody stands at the goal
@@ -81,13 +83,21 @@ class Pausing:
             return False
         if (found := situation.look_past(waiting, now)) is not None:
             self._machine.happens(MissionEvent.WAY_FOUND, now, f"a way of {found:.1f} m")
-        elif waiting.cost < inf and situation.guide.goes_on(now):
+        elif waiting.cost < inf and not waiting.is_aside and situation.guide.goes_on(now, self._free_to_follow()):
             self._machine.happens(MissionEvent.WAY_FOUND, now, "what was in the way moves on")
         elif waiting.hopes and situation.guide.is_hopeless(now):
             self._machine.happens(MissionEvent.WAITED_ENOUGH, now, f"it is a wall: {waiting.why}")
         else:
             return False
         return True
+
+    def _free_to_follow(self) -> float:
+        """Return how much of the way has to be free to follow what moves on, m.
+
+        Whoever was asked and gives way a little sees where the robot is going when it follows.
+        """
+        guide = self._parameters.guide
+        return guide.stop_before + YIELDED if self._situation.way_requests.have_begun else guide.follow_from
 
     def _makes_way(self, waiting: Waiting, now: float) -> bool:
         """Begin to go aside, if it is time and there is room; return whether it did."""
@@ -99,6 +109,13 @@ class Pausing:
         self._machine.happens(MissionEvent.WAY_FOUND, now, "making way for a person or an obstacle")
         situation.making_way.begin(waiting, self._memory.travelled)
         return True
+
+    def _ask(self, waiting: Waiting, now: float) -> None:
+        """Ask whoever is in the way to let the robot pass, if it is time."""
+        situation = self._situation
+        if waiting.hopes and not waiting.is_aside and situation.way_requests.is_due(now):
+            situation.asks_for_way = True
+            situation.note("info", "asks to be let pass")
 
     def _watch(self, waiting: Waiting) -> Order:
         """Face the place where the way is barred."""

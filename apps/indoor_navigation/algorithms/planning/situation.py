@@ -10,7 +10,7 @@ from apps.indoor_navigation.algorithms.planning.orders import MissionNote, Missi
 from apps.indoor_navigation.algorithms.planning.progress import Progress
 from apps.indoor_navigation.algorithms.planning.right_of_way import RightOfWay
 from apps.indoor_navigation.algorithms.planning.states import ACTIVE, TRANSITIONS, MissionEvent, MissionState
-from apps.indoor_navigation.algorithms.planning.waiting import FOR_SIGHT, MakingWay, Waiting
+from apps.indoor_navigation.algorithms.planning.waiting import FOR_SIGHT, MakingWay, Waiting, WayRequests
 from apps.indoor_navigation.data import GoalPoint, Place
 from apps.indoor_navigation.state_machine import Change, StateMachine
 
@@ -35,7 +35,7 @@ class Situation:
     """All times are s of one steady clock.
 
     told, begun: the goal as it was given, and when, s. goal: the present one in the frame of planning. seeking: None
-    unless the robot is lost. rights: to passages.
+    unless the robot is lost. rights: to passages. way_requests: to people in the way. asks_for_way: one is to be sent.
     notes: messages for people. noted: number of notes of this mission. waiting: reason and end in the state WAITING.
     barred: where the way was barred last. no_way_since: s. looked_at: s of the last search for a way. seen_at: s of the
     last reading. is_there: whether only the final turn is left. doubts: that are left.
@@ -53,6 +53,8 @@ class Situation:
         self.seen_at = -inf
         self.seeking: Seeking | None = None
         self.rights = RightOfWay()
+        self.way_requests = WayRequests(parameters.ask, parameters.asks)
+        self.asks_for_way = False
         self._set_out(GoalPoint("", None, None))
 
     def begin(self, told: GoalPoint, goal: GoalPoint, now: float) -> None:
@@ -103,6 +105,7 @@ class Situation:
     def wait_for(self, now: float, event: MissionEvent, waiting: Waiting) -> None:
         """Stop and wait."""
         self.waiting = waiting
+        self.way_requests.begin(now)
         self.machine.happens(event, now, waiting.why)
 
     def is_time_to_look(self, now: float) -> bool:

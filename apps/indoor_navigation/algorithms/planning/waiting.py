@@ -6,6 +6,7 @@ from math import inf
 from apps.indoor_navigation.data import Place
 
 ASIDE = "aside, since "
+FIRST_REQUEST = 1.0  # s of waiting after which whoever is in the way is asked to let the robot pass
 MIN_INTERVAL = 15.0  # s before the robot makes way again, so that it can drive on meanwhile
 FARTHER = 5.0  # m driven since the robot made way, after which it meets others and counts anew
 
@@ -27,6 +28,11 @@ class Waiting:
     passages: frozenset[str] = frozenset()
 
     @property
+    def is_aside(self) -> bool:
+        """Whether the robot has gone aside to wait."""
+        return self.why.startswith(ASIDE)
+
+    @property
     def hopes(self) -> bool:
         """Whether the robot waits for an obstacle to go away."""
         return self.is_last_hope or self.cost < inf
@@ -37,7 +43,7 @@ class Waiting:
 
     def aside(self, until: float) -> "Waiting":
         """Return the same waiting aside, until this time at least."""
-        why = self.why if self.why.startswith(ASIDE) else f"{ASIDE}{self.why}"
+        why = self.why if self.is_aside else f"{ASIDE}{self.why}"
         return replace(self, why=why, until=max(self.until, until))
 
 
@@ -73,3 +79,28 @@ class MakingWay:
         """End going aside at s."""
         if self.waiting is not None:
             self.waiting, self._went = None, now
+
+
+class WayRequests:
+    """Requests to whoever is in the way to let the robot pass: some while it waits, never close to each other."""
+
+    def __init__(self, period: float, most: int) -> None:
+        """period: s from one to the next. most: of them while the robot waits."""
+        self._period, self._most = period, most
+        self._left, self._next = 0, -inf
+
+    def begin(self, now: float) -> None:
+        """Begin to wait at s."""
+        self._left, self._next = self._most, max(self._next, now + FIRST_REQUEST)
+
+    @property
+    def have_begun(self) -> bool:
+        """Whether the robot has asked since it began to wait."""
+        return self._left < self._most
+
+    def is_due(self, now: float) -> bool:
+        """Return whether to ask now, and count it."""
+        if self._left == 0 or now < self._next:
+            return False
+        self._left, self._next = self._left - 1, now + self._period
+        return True

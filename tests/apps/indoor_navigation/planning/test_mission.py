@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
 from itertools import pairwise
 from math import hypot, inf, nan
@@ -261,6 +262,68 @@ def test_a_robot_follows_who_walks_on_before_it() -> None:
     assert "what was in the way moves on" in notes(robot)
     assert apart(robot, in_the_mouth(9.0, robot.time)) < NEAR
     assert robot.nearest > TOUCH
+
+
+def requests(robot: Walker, seconds: float) -> list[float]:
+    """When it asks to be let pass in so many s, s after it has begun to wait."""
+    while "waiting" not in robot.states:
+        robot.step()
+    began, times = robot.time, []
+    while robot.time < began + seconds:
+        if robot.navigator.take_way_request():
+            times.append(robot.time - began)
+        robot.step()
+    return times
+
+
+def test_whoever_is_in_the_way_is_asked_soon_and_again() -> None:
+    first, second = requests(before_an_alley(), MISSION.ask + 2.0)
+    assert 0.5 < first < 1.5
+    assert second - first == pytest.approx(MISSION.ask, abs=0.3)
+
+
+def test_whoever_was_asked_and_goes_a_little_is_followed() -> None:
+    plan = before_an_alley().plan
+    stood = [MOUTH]
+    plan.people[:] = [lambda time: stood[0]]
+    robot = walker(plan, (1.0, 2.0, 0.0))
+    robot.go(9.0, 2.0)
+
+    def give_way(robot: Walker) -> None:
+        """As much as a person does to see what the robot is up to."""
+        if robot.navigator.take_way_request():
+            stood[0] = stood[0][0] + 0.6, stood[0][1]
+
+    robot.meanwhile = give_way
+    while stood[0][0] < MOUTH[0] + 1.0:
+        robot.step()
+        assert robot.time < 60.0
+    assert robot.x > MOUTH[0] - HALF_WIDTH - BODY_RADIUS - STOP_BEFORE + 0.3
+
+
+def test_who_does_not_go_is_not_asked_for_ever() -> None:
+    assert len(requests(before_an_alley(), MISSION.courtesy)) <= MISSION.asks
+
+
+def test_who_goes_by_themselves_is_not_asked() -> None:
+    robot = before_an_alley(leaves_at=5.0)
+    robot.run(12.0)
+    assert not robot.navigator.take_way_request()
+
+
+def test_a_robot_that_is_to_ask_nobody_asks_nobody() -> None:
+    robot = before_an_alley()
+    robot.navigator = Navigator(replace(MISSION, asks=0), HALF_WIDTH)
+    robot.go(9.0, 2.0)
+    assert requests(robot, 8.0) == []
+
+
+def test_a_robot_that_is_cancelled_asks_nobody_any_more() -> None:
+    robot = before_an_alley()
+    assert requests(robot, 2.0)
+    robot.navigator.begin(GoalPoint("m1", None, None), robot.time)
+    robot.run(10.0)
+    assert not robot.navigator.take_way_request()
 
 
 def test_a_door_that_closes_leads_to_another_way() -> None:
@@ -587,6 +650,7 @@ def test_from_somebody_who_waits_for_it_to_go_the_robot_goes_aside() -> None:
     robot.go(1.0, 0.5)
     assert robot.run_to_end(120.0) == "done"
     assert "making way" in notes(robot)
+    assert not re.search("waiting: aside.*\\n.*what was in the way moves on", notes(robot)), "its way aside is free"
     assert robot.nearest > TOUCH
 
 

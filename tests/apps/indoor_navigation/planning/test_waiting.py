@@ -1,6 +1,13 @@
-"""How often a robot goes aside for somebody."""
+"""How often a robot goes aside for somebody, and asks them to let it pass."""
 
-from apps.indoor_navigation.algorithms.planning.waiting import FARTHER, MIN_INTERVAL, MakingWay, Waiting
+from apps.indoor_navigation.algorithms.planning.waiting import (
+    FARTHER,
+    FIRST_REQUEST,
+    MIN_INTERVAL,
+    MakingWay,
+    Waiting,
+    WayRequests,
+)
 
 WAITING = Waiting("something is in the way", 0.0, 9.0)
 
@@ -29,3 +36,20 @@ def test_between_two_times_it_drives_on() -> None:
     making_way = made_way(1, 0.0)
     assert not making_way.is_worth(0.9 * MIN_INTERVAL, 20.0)
     assert making_way.is_worth(MIN_INTERVAL, 20.0)
+
+
+def asked(requests: WayRequests, begin: float, end: float) -> list[float]:
+    """When a robot asks that looks every 0.5 s while it waits, s."""
+    requests.begin(begin)
+    times = [begin + 0.5 * step for step in range(round((end - begin) / 0.5))]
+    return [time for time in times if requests.is_due(time)]
+
+
+def test_a_robot_asks_so_often_while_it_waits() -> None:
+    assert asked(WayRequests(4.0, 3), 10.0, 60.0) == [10.0 + FIRST_REQUEST, 15.0, 19.0]
+    assert asked(WayRequests(4.0, 0), 10.0, 60.0) == []
+
+
+def test_a_robot_that_waits_again_and_again_does_not_ask_more_often() -> None:
+    requests = WayRequests(4.0, 3)
+    assert [time for begin in range(10, 30, 2) for time in asked(requests, begin, begin + 2.0)] == [11, 15, 19, 23, 27]
