@@ -15,6 +15,8 @@ Singles = NDArray[np.float32]
 
 OCCUPIED = 2  # evidence from which on a cell has an obstacle
 PASSED = -1  # evidence after one ray has passed; a cell is free at or below
+BESIDE_WALL = 2  # cells beside a wall in which it is seen where odometry is a little off
+STANDS_OUT = 7  # cells beside what came and is not beside a wall, within which all that came belongs to it
 BESIDE_BODY = 2  # cells beside what may be a person in which a part of that person may have been hit
 NEVER, PASSABLE = np.nan, np.inf  # first_hit of a cell that was not hit yet, and of one that was free for certain
 
@@ -71,9 +73,13 @@ class Area(NamedTuple):
     def staying(self) -> Bools:
         """Cells with an obstacle where none has come: walls, and what stood there when the place was first seen.
 
+        So does what came beside a wall and does not stand out from it: the wall is seen there because odometry is off.
         What may be a person is not expected to stay, nor is a hit beside one.
         """
-        stays = self.occupied & ~np.isinf(self.first_hit)
+        occupied, walls = self.occupied, self.walls
+        came = occupied & ~walls & np.isinf(self.first_hit)
+        stands_out = came & ~_widened(walls, BESIDE_WALL) if came.any() else came
+        stays = occupied & ~(came & _widened(stands_out, STANDS_OUT))
         stays[self._beside_bodies()] = False
         return self.walls | stays
 
@@ -173,6 +179,18 @@ class Area(NamedTuple):
             "columns": values.shape[1],
             "runs": [[int(value), int(length)] for value, length in zip(flat[starts], lengths, strict=True)],
         }
+
+
+def _widened(cells: Bools, by: int) -> Bools:
+    """Return cells and those in the squares about them."""
+    wide = cells
+    for axis in (0, 1):
+        narrow, wide = wide, wide.copy()
+        for step in range(1, by + 1):
+            ahead, behind = (np.s_[step:], np.s_[:-step]) if axis == 0 else (np.s_[:, step:], np.s_[:, :-step])
+            wide[ahead] |= narrow[behind]
+            wide[behind] |= narrow[ahead]
+    return wide
 
 
 def undrawn(picture: dict[str, Any]) -> NDArray[np.int8]:

@@ -102,14 +102,14 @@ class Driving:
         if situation.look(now, barrier.cost + parameters.detour if barrier.may_go else inf) is not None:
             return False
         situation.barred = guide.ahead(barrier.ahead + self._memory.half_width)
+        comes_nearer = self._progress.stands_for(now) < HALTED and barrier.ahead > parameters.guide.stop_before
+        if comes_nearer or barrier.ahead > parameters.guide.follow_from:
+            return False  # it sees more from there
         if not barrier.may_go:
             self._machine.happens(
                 MissionEvent.CAME_NO_FARTHER, now, f"a wall is in the way, {barrier.ahead:.1f} m ahead"
             )
             return True
-        comes_nearer = self._progress.stands_for(now) < HALTED and barrier.ahead > parameters.guide.stop_before
-        if comes_nearer or barrier.ahead > parameters.guide.follow_from:
-            return False
         why = f"something is in the way, {barrier.ahead:.1f} m ahead"
         waiting = Waiting(why, now, now + parameters.patience, barrier.cost, situation.barred)
         situation.wait_for(now, MissionEvent.WAY_BARRED, waiting)
@@ -144,8 +144,12 @@ class Driving:
         if not self._progress.is_stuck(self._situation.guide.pose, now):
             return False
         if not self._situation.has_tried_enough(now):
-            radius = self._parameters.progress.avoid
-            self._memory.avoid(self._situation.guide.ahead(radius), radius, now + self._parameters.progress.avoid_for)
-            why = f"the robot comes no farther at {place_text(self._memory.place)}"
+            place, parameters = self._memory.place, self._parameters.progress
+            self._memory.hold_up(place, now + parameters.avoid_for)
+            if self._progress.strikes > 1:  # more room was no help
+                self._memory.avoid(
+                    self._situation.guide.ahead(parameters.avoid), parameters.avoid, now + parameters.avoid_for
+                )
+            why = f"the robot comes no farther at {place_text(place)}"
             self._machine.happens(MissionEvent.CAME_NO_FARTHER, now, why)
         return True

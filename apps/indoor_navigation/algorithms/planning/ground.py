@@ -26,13 +26,17 @@ START_RANGE = 0.3  # m around the robot within which it may be as near to obstac
 # present one, so that a plan that was found is not given up for the noise of the next scan.
 MAX_LACK, MAX_LACK_KEPT = 0.2, 0.5
 WORSE = 0.02  # m that the room near the start may be less than at the start
+HELD_WORSE = 0.002  # likewise, where it was held up
+# Where the robot was held up lately there is less room than the grid says: so far around it, m, a plan needs so much
+# room, m, or not less than where the robot is.
+HELD_RANGE, HELD_ROOM = 1.0, 0.04
 
 
 class Ground(NamedTuple):
     """What a metre costs.
 
     floor: cost of a metre in each cell of the area, without obstacles. robot: its pose. room: m about it there. lack:
-    cells of the grid that the room may lack.
+    cells of the grid that the room may lack. held: places where the robot was held up lately.
     """
 
     area: Area
@@ -43,6 +47,7 @@ class Ground(NamedTuple):
     robot: Pose
     room: float
     lack: float = MAX_LACK
+    held: tuple[Place, ...] = ()
 
     @classmethod
     def of(
@@ -55,6 +60,7 @@ class Ground(NamedTuple):
         hints: Hints = NO_HINTS,
         standing: Bools | None = None,
         hope: float = 0.0,
+        held: tuple[Place, ...] = (),
     ) -> "Ground":
         """Return the costs of an area.
 
@@ -66,6 +72,7 @@ class Ground(NamedTuple):
             hints: Knowledge beside the grid.
             standing: Cells with obstacles that do not go away; by default all obstacles.
             hope: Cost of the others.
+            held: Places where the robot was held up lately.
         """
         floor = floor_costs(area, parameters, hints)
         if standing is None:
@@ -75,14 +82,17 @@ class Ground(NamedTuple):
             floor[others < outline.width / 2.0] += hope
         clearance = Clearance(area, standing, outline, parameters.comfort)
         room = float(clearance.room(*(np.array([each]) for each in robot))[0])
-        return cls(area, floor, clearance, parameters, outline, robot, room)
+        return cls(area, floor, clearance, parameters, outline, robot, room, held=held)
 
     def costs(self, x: Floats, y: Floats, heading: Floats) -> Floats:
         """Return the cost of a metre at poses in odom, arrays of one shape; BARRED where the robot does not fit."""
         room = self.clearance.room(x, y, heading)
         costs = nearness(room, self.parameters, self.lack * self.area.resolution)
-        least = self.room - WORSE
-        if least < 0.0:
+        for held_x, held_y in self.held:
+            costs[(np.hypot(x - held_x, y - held_y) < HELD_RANGE) & (room < HELD_ROOM)] = BARRED
+        needed, worse = (HELD_ROOM, HELD_WORSE) if self.held else (0.0, WORSE)
+        least = self.room - worse
+        if least < needed:
             is_start = (np.hypot(x - self.robot[0], y - self.robot[1]) < START_RANGE) & (room >= least)
             costs[is_start] = np.minimum(costs[is_start], START_COST)
         return np.minimum(costs + self._floor(x, y), BARRED)

@@ -156,6 +156,8 @@ class Guide:
             if now < at + SEARCH_AGAIN and search.estimate > estimate - CHEAPER:
                 return None
         plan = search.find()
+        if plan is None and ground.held:
+            plan = self._search(ground._replace(held=())).find()
         self._failed = (search.estimate, now) if plan is None else None
         return self._take(plan, ground, budget)
 
@@ -171,7 +173,7 @@ class Guide:
     def look_hoping(self, now: float) -> float | None:
         """Plan a way through obstacles that may go away, up to the first one; return its distance, m, or None."""
         ground, hoping = self._survey(now), self._survey(now, _staying, self._parameters.memory.cost.hope)
-        plan = self._search(hoping).find()
+        plan = self._search(hoping._replace(held=())).find()
         barred = plan.first_barred(ground) if plan is not None else None
         if plan is None or barred is None:
             return None

@@ -58,6 +58,7 @@ class Memory:
         self._stamp = 0.0
         self._has_begun = False  # a mission, since the last reading
         self._avoided: list[tuple[Strip, float]] = []
+        self._held: list[tuple[Place, float]] = []
         self._ways: tuple[Strip, ...] = ()  # of earlier missions
         self._node: int | None = None  # the door that was passed last
         self._since_node = 0  # the part of the trail since then
@@ -95,7 +96,7 @@ class Memory:
         """Forget all places."""
         self.grid.forget()
         self.doors.forget()
-        self.pose, self._avoided = None, []
+        self.pose, self._avoided, self._held = None, [], []
         self.begin_trail()
 
     def use_map(self, floor: FloorMap | None) -> None:
@@ -134,6 +135,10 @@ class Memory:
     def avoid(self, place: Place, radius: float, until: float) -> None:
         """Raise the cost around a place where the robot was stuck, until s."""
         self._avoided.append((Strip(place, place, radius), until))
+
+    def hold_up(self, place: Place, until: float) -> None:
+        """Plan with more room around a place where the robot was held up although its way seemed free, until s."""
+        self._held.append((place, until))
 
     def survey(
         self,
@@ -177,6 +182,7 @@ class Memory:
             hints=self._hints(now),
             standing=stands,
             hope=hope,
+            held=self._held_at(now),
         )
 
     def survey_near(self) -> Ground:
@@ -231,6 +237,10 @@ class Memory:
             ],
             "ways": [{**way, "points": [placed(point) for point in way["points"]]} for way in ways],
         }
+
+    def _held_at(self, now: float) -> tuple[Place, ...]:
+        self._held = [(place, until) for place, until in self._held if until > now]
+        return tuple(place for place, _ in self._held)
 
     def _hints(self, now: float) -> Hints:
         self._avoided = [(strip, until) for strip, until in self._avoided if until > now]

@@ -28,7 +28,10 @@ class ProgressParameters:
 
 
 class Progress:
-    """How long the robot has been at its place. All times are s of one clock."""
+    """How long the robot has been at its place. All times are s of one clock.
+
+    strikes: how often it was stuck around here.
+    """
 
     def __init__(self, parameters: ProgressParameters) -> None:
         self._parameters = parameters
@@ -37,7 +40,7 @@ class Progress:
     def begin(self) -> None:
         """Reset for a new mission, or after odom was set anew."""
         self._neighbourhood: Place | None = None
-        self._strikes, self._struck_at = 0, -inf
+        self.strikes, self._struck_at = 0, -inf
         self._around_for, self._checked_at = 0.0, inf
         self.go_on()
 
@@ -73,11 +76,11 @@ class Progress:
 
     def strike(self, travelled: float) -> int:
         """Count that the robot is stuck; return how often it was around here. travelled: m of this mission."""
-        self._strikes = self._strikes + 1 if travelled - self._struck_at < self._parameters.fresh else 1
+        self.strikes = self.strikes + 1 if travelled - self._struck_at < self._parameters.fresh else 1
         self._struck_at = travelled
         self._neighbourhood = None
         self.go_on()
-        return self._strikes
+        return self.strikes
 
 
 def _apart(one: Pose | Place, other: Pose | Place) -> float:

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from apps.indoor_navigation.algorithms.outline import Outline
 from apps.indoor_navigation.algorithms.planning.area import Area
 from apps.indoor_navigation.algorithms.planning.clearance import Clearance
-from apps.indoor_navigation.algorithms.planning.ground import Ground
+from apps.indoor_navigation.algorithms.planning.ground import HELD_ROOM, Ground
 from apps.indoor_navigation.algorithms.planning.lattice import PlanSearch, turn_piece
 from apps.indoor_navigation.algorithms.planning.plan import Motion, Plan
 from apps.indoor_navigation.algorithms.planning.terrain import BARRED, Hints, Strip
@@ -54,6 +54,24 @@ def room_of(floor: Area, plan: Plan, outline: Outline) -> float:
         float(outline.distance(*in_robot((pose[0], pose[1], pose[2]), x, y)).min(initial=9.0))
         for pose in plan.poses.tolist()
     )
+
+
+@pytest.mark.parametrize(("held", "is_barred"), [((2.4, 3.0), True), ((2.4, 0.5), False)], ids=["here", "elsewhere"])
+def test_where_it_was_held_up_a_robot_needs_more_room(held: Place, is_barred: bool) -> None:
+    floor = ground(area((3.0, 0.0, 0.2, 2.65), (3.0, 3.3, 0.2, 1.1)), (1.5, 3.0, 0.0))  # with a gap of 0.7 m
+    in_gap = np.array([3.1]), np.array([2.975]), np.zeros(1)
+    assert 0.0 < floor.clearance.room(*in_gap)[0] < HELD_ROOM
+    assert floor.costs(*in_gap)[0] < BARRED
+    assert (floor._replace(held=(held,)).costs(*in_gap)[0] >= BARRED) == is_barred
+
+
+def test_a_robot_that_was_held_up_comes_no_nearer_to_what_is_near() -> None:
+    floor, start = area((2.85, 2.0, 0.3, 0.65)), (2.5, 2.97, 0.0)  # beside its front
+    plan = find_plan(ground(floor, start)._replace(held=(start[:2],)), (4.8, 3.0), 0.15)
+    assert plan is not None
+    rooms = Clearance(floor, floor.occupied, POWERBOT, 0.3).room(*plan.poses.T)
+    assert 0.0 < rooms[0] < HELD_ROOM
+    assert rooms.min() >= rooms[0] - 0.001
 
 
 def found(floor: Area, start: Pose, goal: Place, outline: Outline = POWERBOT) -> Plan:

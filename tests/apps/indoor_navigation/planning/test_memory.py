@@ -97,3 +97,36 @@ def test_the_sides_of_a_gap_that_is_too_narrow_are_doubted_once_and_only_out_of_
     assert "as wide as this robot" in guide.why_no_way(8.0)
     assert guide.doubt_narrowest(8.0) == is_doubted
     assert not guide.doubt_narrowest(8.0)
+
+
+def wall_and(x: float, stamp: float, stands: Place | None = None) -> ObstRead:
+    """A reading of a wall x m ahead, and of something round, of 0.2 m, that stands before it."""
+    lengths = x / np.maximum(np.cos(BEAMS), 0.2)
+    if stands is not None:
+        along = stands[0] * np.cos(BEAMS) + stands[1] * np.sin(BEAMS)
+        half = 0.01 - (stands[0] ** 2 + stands[1] ** 2 - along**2)
+        lengths = np.where(half > 0.0, np.minimum(lengths, along - np.sqrt(np.maximum(half, 0.0))), lengths)
+    nothing = np.zeros(len(BEAMS))
+    ends = lengths * np.cos(BEAMS), lengths * np.sin(BEAMS)
+    return ObstRead(stamp, (0.0, 0.0, 0.0), None, 0.0, nothing, nothing, *ends, np.ones(len(BEAMS)), False)
+
+
+def test_a_wall_that_is_seen_a_little_off_is_not_expected_to_go() -> None:
+    memory = Memory(shipped_parameters("path_planning").mission.guide.memory, Outline(0.2, 0.3, 0.4))
+    for step in range(100):
+        memory.see(wall_and(2.02 if step < 60 else 1.93, 0.1 * step))
+    area = memory.grid.area
+    cells = [area.cell(1.93, y) for y in (-0.5, 0.0, 0.5)]
+    assert all(area.occupied[cell] and not area.walls[cell] for cell in cells)
+    assert all(area.staying[cell] for cell in cells)
+
+
+@pytest.mark.parametrize("x", [1.0, 1.8])
+def test_what_comes_before_a_wall_may_go_again(x: float) -> None:
+    memory = Memory(shipped_parameters("path_planning").mission.guide.memory, Outline(0.2, 0.3, 0.4))
+    for step in range(100):
+        memory.see(wall_and(2.02, 0.1 * step, (x, 0.0) if step > 60 else None))
+    area = memory.grid.area
+    thing = area.cell(x - 0.1, 0.0)
+    assert area.occupied[thing]
+    assert not area.staying[thing]
