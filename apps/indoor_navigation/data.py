@@ -142,6 +142,11 @@ class WayRequest(Data):
     stamp: float
     mission: str
 
+    @property
+    def is_sound(self) -> bool:
+        """Whether the stamp is a finite number."""
+        return isinstance(self.stamp, int | float) and isfinite(self.stamp)
+
 
 GO, BACK, TURN, REST = "go", "back", "turn", "rest"  # aims of a WorldCoord
 

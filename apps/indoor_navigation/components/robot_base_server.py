@@ -160,7 +160,7 @@ class RobotBaseServer(Component):
     @is_told(WayRequest)
     async def ask_for_way(self, request: WayRequest) -> None:
         """Play some notes for people in the way; a robot that cannot only waits for them."""
-        if self.home.wall_time() - request.stamp > self.parameters.oldest:
+        if not request.is_sound or self.home.wall_time() - request.stamp > self.parameters.oldest:
             return
         try:
             await self.query(keys.SOUND.key(self.robot), {"notes": WAY_NOTES}, DESCRIPTION_TIMEOUT)
