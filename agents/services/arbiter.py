@@ -19,7 +19,7 @@ from collections.abc import Mapping
 from contextlib import suppress
 from typing import Any, ClassVar
 
-from agents.platform import Agent, AgentName, Directory, NameNotValid, agree, asker, request
+from agents.platform import Agent, AgentName, AgentState, Directory, NameNotValid, agree, asker, request
 from agents.services.audit import Audit, AuditEvent
 from agents.services.gateway_leases import GatewayAway, GatewayLeases
 from agents.services.lease_book import Book, Claim, Grant, Wish
@@ -254,12 +254,12 @@ class Arbiter(Agent):
 
     def _on_life(self, name: AgentName, lives: bool) -> None:
         """Note that an agent has appeared or disappeared."""
-        if not lives and self._held_open:  # else it was handed over before the end, and comes after it
+        if not lives and self.state is not AgentState.DELETED:  # else it comes while this arbiter ends, or after it
             self._keeper.on_holder_death(name)
 
     def _on_robot(self, key: str, lives: bool) -> None:
         """Note that a gateway has appeared; after a restart it has lost its leases."""
-        if lives and self._held_open:
+        if lives and self.state is not AgentState.DELETED:
             self._keeper.doubt(key.partition("/")[0], {})
 
     async def _on_state(self, key: str, state: dict[str, Any]) -> None:

@@ -153,6 +153,25 @@ def test_holder_that_dies_is_stopped_at_once(world: LeaseWorld) -> None:
     assert world.ask(other, "lease", element="base@happy").is_done
 
 
+def test_holder_that_dies_while_the_arbiter_ends_keeps_what_expires(
+    world: LeaseWorld, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    app, arbiter = world.holder("app"), world.agent(ARBITER)
+    given = world.ask(app, "lease", element="base@happy", seconds=2.0).value()
+    finish = arbiter.finish
+
+    async def finish_while_it_dies() -> None:
+        await finish()
+        world.kill(app)
+        await asyncio.sleep(0.1)
+
+    monkeypatch.setattr(arbiter, "finish", finish_while_it_dies)
+    world.do(world.end(ARBITER))
+    assert world.gateway.moves("base", given["token"])
+    world.run(2.5)
+    assert not world.gateway.moves("base", given["token"])
+
+
 @pytest.mark.parametrize("when", [0.0, 0.2])
 def test_who_dies_while_it_waits_takes_nothing_from_the_holder(world: LeaseWorld, when: float) -> None:
     low, high = world.holder("low"), world.holder("high")
