@@ -198,8 +198,8 @@ def _convert(kind: Any, value: Any, source: str, path: str) -> Any:
         if isinstance(value, dict):
             item = get_args(kind)[1] if get_args(kind) else Any
             return {key: _convert(item, each, source, f"{path}.{key}") for key, each in value.items()}
-    elif is_dataclass(kind) and isinstance(value, dict):
-        return _build_dataclass(kind, value, source, path + ".")  # type: ignore[arg-type]  # is_dataclass allows instances too
+    elif isinstance(kind, type) and is_dataclass(kind) and isinstance(value, dict):
+        return _build_dataclass(kind, value, source, path + ".")
     elif kind is Any:
         return value
     elif isinstance(kind, type):

@@ -58,8 +58,9 @@ def _completed(parameters_type: type[Any], table: Table) -> Table:
     completed, hints = dict(table), get_type_hints(parameters_type)
     for field in fields(parameters_type):
         kind, value = hints[field.name], table.get(field.name)
-        if is_dataclass(kind) and (isinstance(value, Mapping) or _is_missing(field, table)):
-            completed[field.name] = _completed(kind, value or {})  # type: ignore[arg-type]  # is_dataclass allows instances
+        is_table = isinstance(value, Mapping) or _is_missing(field, table)
+        if isinstance(kind, type) and is_dataclass(kind) and is_table:
+            completed[field.name] = _completed(kind, value or {})
         elif _is_missing(field, table):
             shipped = [_shipped()[base] for base in parameters_type.__mro__ if base in _shipped()]
             completed |= next(({field.name: each[field.name]} for each in shipped if field.name in each), {})

@@ -7,6 +7,7 @@ import socket
 import sys
 from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from typing import Any
 
 from p2os_emu.camera.feed import Feed
 
@@ -36,10 +37,10 @@ class CameraServer(ThreadingHTTPServer):
         self.feed = feed
         self.title = title
 
-    def handle_error(self, request: object, client_address: object) -> None:
+    def handle_error(self, request: Any, client_address: Any) -> None:
         """Ignore viewers that disconnect or do not read while a picture is sent."""
         if not isinstance(sys.exception(), ConnectionError | TimeoutError):
-            super().handle_error(request, client_address)  # type: ignore[arg-type]  # narrower there
+            super().handle_error(request, client_address)
 
 
 class _Handler(BaseHTTPRequestHandler):
