@@ -5,7 +5,6 @@ from math import inf
 
 from apps.indoor_navigation.data import Place
 
-ASIDE = "aside, since "
 FIRST_REQUEST = 1.0  # s of waiting after which whoever is in the way is asked to let the robot pass
 MIN_INTERVAL = 15.0  # s before the robot makes way again, so that it can drive on meanwhile
 FARTHER = 5.0  # m driven since the robot made way, after which it meets others and counts anew
@@ -17,6 +16,7 @@ class Waiting:
 
     why: reason in words. since: s. cost: of the way without the obstacle; `inf` if any way ends waiting. place: where
     the way is barred, if known. is_last_hope: whether there is no other way. passages: that another robot has.
+    is_aside: whether the robot has gone aside to wait.
     """
 
     why: str
@@ -26,11 +26,7 @@ class Waiting:
     place: Place | None = None
     is_last_hope: bool = False
     passages: frozenset[str] = frozenset()
-
-    @property
-    def is_aside(self) -> bool:
-        """Whether the robot has gone aside to wait."""
-        return self.why.startswith(ASIDE)
+    is_aside: bool = False
 
     @property
     def hopes(self) -> bool:
@@ -43,8 +39,8 @@ class Waiting:
 
     def aside(self, until: float) -> "Waiting":
         """Return the same waiting aside, until this time at least."""
-        why = self.why if self.is_aside else f"{ASIDE}{self.why}"
-        return replace(self, why=why, until=max(self.until, until))
+        why = self.why if self.is_aside else f"aside, since {self.why}"
+        return replace(self, why=why, until=max(self.until, until), is_aside=True)
 
 
 FOR_SIGHT = Waiting("nothing is seen; see whether sonar and laser work", -inf, inf)
