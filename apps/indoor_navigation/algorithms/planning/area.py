@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from apps.indoor_navigation.data import Bools, Floats, Ints, Place
+from apps.indoor_navigation.data import Bools, Floats, Place
 from geometry import Pose2D
 
 Evidence = NDArray[np.int8]
@@ -78,10 +78,9 @@ class Area(NamedTuple):
         """
         occupied, walls = self.occupied, self.walls
         came = occupied & ~walls & np.isinf(self.first_hit)
-        stands_out = came & ~_widened(walls, BESIDE_WALL) if came.any() else came
-        stays = occupied & ~(came & _widened(stands_out, STANDS_OUT))
-        stays[self._beside_bodies()] = False
-        return self.walls | stays
+        stands_out = came & ~_widened(walls, BESIDE_WALL)
+        goes = (came & _widened(stands_out, STANDS_OUT)) | _widened(self.body, BESIDE_BODY)
+        return walls | (occupied & ~goes)
 
     def people(self, places: Sequence[Place], beyond: float) -> Bools:
         """Return the cells of what may be people, farther from all these places than so many m; not those of walls."""
@@ -92,14 +91,6 @@ class Area(NamedTuple):
             along = self.y + (rows + 0.5) * self.resolution - y
             found[rows, columns] &= across * across + along * along > beyond * beyond
         return found
-
-    def _beside_bodies(self) -> tuple[Ints, Ints]:
-        """Return rows and columns of the cells of what may be people, and of those where a part of them may be seen."""
-        rows, columns = np.nonzero(self.body)
-        steps = np.arange(-BESIDE_BODY, BESIDE_BODY + 1)
-        height, width = self.body.shape
-        beside = np.clip(rows[:, None, None] + steps[:, None], 0, height - 1)
-        return beside, np.clip(columns[:, None, None] + steps, 0, width - 1)
 
     @property
     def unknown(self) -> Bools:
