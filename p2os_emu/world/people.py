@@ -65,6 +65,14 @@ class PersonRoute:
         x, y = Pose2D(x1, y1, heading).transform(along - self._marks[leg], 0.0)
         return Pose2D(x, y, heading if sense > 0 else wrap_angle(heading + math.pi))
 
+    def end(self, sense: int) -> float:
+        """How far along somebody comes who walks up (1) or down (-1) the route, m."""
+        return self.length if sense > 0 else 0.0
+
+    def leads_on(self, along: float, sense: int) -> bool:
+        """Return whether the route leads on up (1) or down (-1) from so far along."""
+        return self.loops or along != self.end(sense)
+
     def next_mark(self, along: float, sense: int) -> float:
         """How far along the next waypoint lies for somebody who walks up (1) or down (-1) the route, m."""
         if sense > 0:

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from geometry import Point, Pose2D, wrap_angle
-from p2os_emu.world.free_space import Bools, FreeSpace
+from p2os_emu.world.free_space import Bools, Floats, FreeSpace
 from p2os_emu.world.people import BODY_RADIUS
 
 HEARING = 3.0
@@ -75,11 +75,11 @@ def place_aside(
     way = asker.way(place)
     robot, ahead = np.array((way.x, way.y)), np.array((cos(way.heading), sin(way.heading)))
     beside = np.array((-ahead[1], ahead[0]))
-    ends = place + _STEPS
-    good = (_STEPS @ ahead >= -NEARER) & (np.hypot(*(ends - robot).T) >= asker.reach + BODY_RADIUS)
-    good &= walking.reachable(place, ends) & walking.reachable(route, ends)
-    good[0] = True
-    steps, ends = _STEPS[good], ends[good]
+    steps = _steps(place, route, walking)
+    good = (steps @ ahead >= -NEARER) & (np.hypot(*(place + steps - robot).T) >= asker.reach + BODY_RADIUS)
+    good[0] = True  # they stay where they are
+    steps = steps[good]
+    ends = place + steps
     middles = robot + ((ends - robot) @ ahead)[:, np.newaxis] * ahead
     passed = middles[:, np.newaxis] + _ACROSS[:, np.newaxis] * beside
     can_pass = _reached(passing.are_free(passed.reshape(-1, 2)).reshape(passed.shape[:2]))
@@ -101,11 +101,17 @@ def place_away(place: Point, route: Point, asker: Asker, walking: FreeSpace) -> 
         asker: The robot.
         walking: Free space for a person.
     """
-    ends = place + _STEPS
-    away = np.hypot(*(ends - (asker.pose.x, asker.pose.y)).T)
-    away[1:][~(walking.reachable(place, ends[1:]) & walking.reachable(route, ends[1:]))] = 0.0
-    x, y = ends[away.argmax()]
+    ends = place + _steps(place, route, walking)
+    x, y = ends[np.hypot(*(ends - (asker.pose.x, asker.pose.y)).T).argmax()]
     return float(x), float(y)
+
+
+def _steps(place: Point, route: Point, walking: FreeSpace) -> Floats:
+    """Return the steps that somebody can take, and go straight to their route afterwards; the first one is none."""
+    ends = place + _STEPS
+    can_go = walking.reachable(place, ends) & walking.reachable(route, ends)
+    can_go[0] = True
+    return np.asarray(_STEPS[can_go])
 
 
 def _reached(free: Bools) -> Bools:

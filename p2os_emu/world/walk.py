@@ -1,6 +1,6 @@
 """How one person has come along their route: the clockwork of a walk, without a body."""
 
-from math import atan2, dist, inf, pi
+from math import atan2, dist, pi
 from random import Random
 
 from geometry import Point, Pose2D, wrap_angle
@@ -57,8 +57,8 @@ class Walk:
         """Go on along the route, or back, if that leads away from a place; return whether it does."""
         away = atan2(self.place.y - from_place[1], self.place.x - from_place[0])
         for sense in (self._sense, -self._sense):
-            end = self._route.length if sense > 0 and not self._route.loops else 0.0 if sense < 0 else inf
-            if self._along != end and abs(wrap_angle(self._route.at(self._along, sense).heading - away)) < pi / 2:
+            heading = self._route.at(self._along, sense).heading
+            if self._route.leads_on(self._along, sense) and abs(wrap_angle(heading - away)) < pi / 2:
                 if sense != self._sense:
                     self._turn_back()
                 self._rest = 0.0
@@ -107,7 +107,7 @@ class Walk:
 
     def _arrive(self) -> None:
         """Go on at a waypoint; at an end of the route rest, and begin anew or go back."""
-        end = self._route.length if self._sense > 0 else 0.0
+        end = self._route.end(self._sense)
         if self._along != end:
             return
         self._rest = self._random.uniform(*self._person.pause)

@@ -50,7 +50,7 @@ class Walker:
         self.person = person
         self.walks = True
         self._is_blocked = False
-        self._asker: Callable[[], Asker | None] = _nobody
+        self._asker: Callable[[], Asker | None] = lambda: None
         self._times_asked = 0  # again, while they stand aside
         self._nearest = inf  # m that the robot that asked them has come to them
         self._client = client
@@ -202,10 +202,6 @@ def check_routes(spec: WorldSpec) -> None:
                     f"world {spec.name!r}: {person.name} cannot walk from {list(a)} to {list(b)} m: something stands "
                     f"within {BODY_RADIUS} m of the way; move a waypoint of the route"
                 )
-
-
-def _nobody() -> None:
-    """Return no robot: nobody has asked yet."""
 
 
 def _disc(middle: Point, radius: float) -> Polygon:

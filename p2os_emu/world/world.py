@@ -291,7 +291,7 @@ class World:
         def asker() -> Asker | None:
             if self._robots.get(name) is not robot:
                 return None
-            return Asker(robot.pose, robot.model.width, robot.chassis.sweep)
+            return Asker(robot.pose, robot.chassis.width, robot.chassis.sweep)
 
         self._bystanders.hear(asker)
 
