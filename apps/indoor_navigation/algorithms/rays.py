@@ -98,17 +98,28 @@ class Rays:
         return Rays(self.origin_x[inner], self.origin_y[inner], self.end_x[inner], self.end_y[inner], self.hits[inner])
 
     def are_in_view(self, x: Floats, y: Floats) -> Bools:
-        """Return which places a ray ends at or passes through; of what is hidden a ray shows nothing."""
-        if not len(x):
-            return np.zeros(0, bool)
+        """Return which places a ray ends at or passes through; of what is hidden a ray shows nothing.
+
+        The rays are those of one scanner.
+        """
+        are_seen = np.zeros(len(x), bool)
+        if not len(x) or not len(self.hits):
+            return are_seen
         along_x, along_y = self.end_x - self.origin_x, self.end_y - self.origin_y
         length = np.hypot(along_x, along_y)
         scale = np.where(length > 0.0, length, np.inf)
         unit_x, unit_y = along_x / scale, along_y / scale
-        from_x, from_y = x[:, None] - self.origin_x, y[:, None] - self.origin_y
+        from_x, from_y = x - self.origin_x[0], y - self.origin_y[0]
+        # Most places are behind a robot that drives. They are left out first, by the directions that no ray has.
+        middle_x, middle_y = unit_x.sum(), unit_y.sum()
+        least = np.minimum((middle_x * unit_x + middle_y * unit_y).min(), 0.0)
+        reach = np.hypot(from_x, from_y) + RAY_RADIUS
+        is_ahead = middle_x * from_x + middle_y * from_y >= least * reach - RAY_RADIUS * np.hypot(middle_x, middle_y)
+        from_x, from_y = from_x[is_ahead, None], from_y[is_ahead, None]
         ahead = from_x * unit_x + from_y * unit_y
         across = np.abs(from_y * unit_x - from_x * unit_y)
-        return np.asarray(((ahead > 0.0) & (ahead < length + RAY_RADIUS) & (across < RAY_RADIUS)).any(axis=1))
+        are_seen[is_ahead] = ((ahead > 0.0) & (ahead < length + RAY_RADIUS) & (across < RAY_RADIUS)).any(axis=1)
+        return are_seen
 
     def are_in_cone(self, x: Floats, y: Floats) -> Bools:
         """Return which places discs with these axes listen to; of what is behind an echo they hear nothing."""

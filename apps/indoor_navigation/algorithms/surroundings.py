@@ -3,6 +3,9 @@
 A scanner looks ahead. When the robot is halfway through a door, the frame is beside it, where no sensor sees it; the
 robot must not turn as if the frame were gone. Without a scanner, the same holds for echoes between the cones of the
 discs, such as that of a table's leg beside the corner of the hull.
+
+A robot that turns inside a door has often seen the face of the wall only, and never its end beside the door. What was
+not seen would have no thickness, and the tail of a long robot would touch it. So walls are remembered with a depth.
 """
 
 import numpy as np
@@ -21,8 +24,13 @@ MEMORY_RANGE = 1.2  # m from the sensors within which it must be then: the longe
 KEPT_RANGE = MAX_DISTANCE
 EDGE_RAYS = 2  # on either side of the scan; what they hit leaves the view next and must be remembered
 PLACE_SPACING = 0.025  # m between remembered places
-MAX_PLACES = 400
+MAX_PLACES = 800
 CELLS_A_ROW = 1 << 32  # more than any odom is wide, so a row and a column make one number
+DEPTHS = (0.05, 0.1)  # m behind a face; hardly any wall is thinner than 0.1 m
+FACE_RADIUS = 0.12  # m about a place, within which its neighbours show which way a face goes
+MIN_PLACES = 4  # that show it
+MIN_SPREAD = 0.03  # m along a face, standard deviation; across a leg there is less
+MAX_SLENDERNESS = 0.3  # spread across a face over that along it; ranges are off by 1 cm, and corners are no face
 
 
 class Surroundings:
@@ -51,9 +59,8 @@ class Surroundings:
         is_of_scanner = rays.is_of_scanner
         scanned = rays.where(is_of_scanner)
         has_laser = bool(len(scanned.end_x))
-        # The place of an echo is not exact; it is remembered only where there is no better sensor.
-        is_sure = self._last.hits & (self._is_scanned if has_laser else ~self._is_scanned)
-        x, y = self._last.end_x[is_sure], self._last.end_y[is_sure]
+        inner = scanned.inner(EDGE_RAYS)
+        x, y = self._scanned_before(inner) if has_laser else self._heard_before()
         x, y = np.concatenate((self._x, x)), np.concatenate((self._y, y))
         seen_at = np.concatenate((self._seen_at, np.full(len(x) - len(self._x), stamp)))
         reach = np.full(len(x), MEMORY_RANGE)
@@ -64,7 +71,7 @@ class Surroundings:
             middle = rays.origin_x.mean(), rays.origin_y.mean()
             is_kept &= np.hypot(x - middle[0], y - middle[1]) < reach
             x, y, seen_at = x[is_kept], y[is_kept], seen_at[is_kept]
-            is_kept = ~(scanned.inner(EDGE_RAYS).are_in_view(x, y) if has_laser else rays.are_in_cone(x, y))
+            is_kept = ~(inner.are_in_view(x, y) if has_laser else rays.are_in_cone(x, y))
         chosen = _thinned(x, y, np.flatnonzero(is_kept))[-MAX_PLACES:]
         self._x, self._y, self._seen_at = x[chosen], y[chosen], seen_at[chosen]
         echoes = rays.where(~is_of_scanner & rays.hits)
@@ -75,6 +82,19 @@ class Surroundings:
         self._last = scanned.followed_by(echoes)
         self._is_scanned, self._bodies = self._last.is_of_scanner, perceived.bodies
 
+    def _scanned_before(self, inner: Rays) -> tuple[Floats, Floats]:
+        """Return what the last scan showed and this one does not, with the walls behind it. Echoes are not so exact."""
+        rays = self._last.where(self._is_scanned)
+        x, y = rays.end_x, rays.end_y
+        have_left = np.flatnonzero(rays.hits & ~inner.are_in_view(x, y))
+        behind_x, behind_y = behind_faces(rays, have_left)
+        return np.concatenate((behind_x, x[have_left])), np.concatenate((behind_y, y[have_left]))
+
+    def _heard_before(self) -> tuple[Floats, Floats]:
+        """Return where the last echoes came from, for a robot that has no laser."""
+        is_heard = self._last.hits & ~self._is_scanned
+        return self._last.end_x[is_heard], self._last.end_y[is_heard]
+
     def places(self, pose: Pose) -> tuple[Floats, Floats]:
         """Return x and y of all obstacles within `MAX_DISTANCE`, in the frame of a robot at a pose in odom."""
         hits = self._last.hits
@@ -84,6 +104,32 @@ class Surroundings:
         x, y = in_robot(pose, x, y)
         is_near = x * x + y * y < MAX_DISTANCE * MAX_DISTANCE
         return x[is_near], y[is_near]
+
+
+def behind_faces(seen: Rays, chosen: Ints) -> tuple[Floats, Floats]:
+    """Return places in the wall behind the ends of the chosen rays of a scan, x and y in odom, m.
+
+    What is too small or too crooked for a face has none.
+    """
+    x, y = seen.end_x[chosen], seen.end_y[chosen]
+    away_x, away_y = seen.end_x - x[:, None], seen.end_y - y[:, None]  # (chosen, rays)
+    is_near = seen.hits & (away_x * away_x + away_y * away_y < FACE_RADIUS * FACE_RADIUS)
+    count = is_near.sum(axis=1)
+    weights = is_near / np.maximum(count, 1)[:, None]
+    mean_x, mean_y = (weights * away_x).sum(axis=1), (weights * away_y).sum(axis=1)
+    xx = (weights * away_x * away_x).sum(axis=1) - mean_x * mean_x
+    yy = (weights * away_y * away_y).sum(axis=1) - mean_y * mean_y
+    xy = (weights * away_x * away_y).sum(axis=1) - mean_x * mean_y
+    middle, half = (xx + yy) / 2.0, np.hypot((xx - yy) / 2.0, xy)
+    along, across = middle + half, np.maximum(middle - half, 0.0)  # variances, m²
+    is_face = (count >= MIN_PLACES) & (along > MIN_SPREAD**2) & (across < MAX_SLENDERNESS**2 * along)
+    x, y = x[is_face], y[is_face]
+    direction = 0.5 * np.arctan2(2.0 * xy, xx - yy)[is_face]
+    normal_x, normal_y = -np.sin(direction), np.cos(direction)
+    from_x, from_y = x - seen.origin_x[chosen][is_face], y - seen.origin_y[chosen][is_face]
+    side = np.sign(normal_x * from_x + normal_y * from_y)
+    depths = np.array(DEPTHS)[:, None] * side
+    return (x + depths * normal_x).ravel(), (y + depths * normal_y).ravel()
 
 
 def _thinned(x: Floats, y: Floats, indices: Ints) -> Ints:
