@@ -26,6 +26,7 @@ TURN_POSES = 13  # of a turn that are ordered at once: below pi, so the side is 
 NEXT_POSES = 12  # of a piece among which the robot's progress is looked for
 REACHED = 0.1  # m before the end of a piece where it counts as driven
 FACING = 0.12  # rad off the end of a turn where it counts as turned
+ROOMY, FACING_IN_ROOM = 0.2, 0.5  # likewise, with so many m of room about the robot: it turns on while it drives
 OFF_PLAN = 0.5  # m off the plan from which on it is no use
 ASIDE_TOLERANCE = 0.2  # m from a place aside
 SEARCH_AGAIN = 2.0  # s after a search without a result; it takes far longer than one that finds a way
@@ -329,7 +330,8 @@ class Guide:
         """Return whether the robot is at the end of a piece, or beside it."""
         x, y, heading = piece.end
         if piece.motion is Motion.TURN:
-            return self.off(heading) < FACING
+            has_room = self._near is not None and self._near.room > ROOMY
+            return self.off(heading) < (FACING_IN_ROOM if has_room else FACING)
         left_x, left_y = x - self._memory.place[0], y - self._memory.place[1]
         left = left_x * cos(heading) + left_y * sin(heading)
         is_near = hypot(left_x, left_y) < OFF_PLAN
