@@ -98,7 +98,7 @@ def find_segments(beams: Beams) -> Segments | None:
     points = beams.rays[:, beam] * ranges
     starts = _part(points, _part_at_steps(points, ranges))
     counts = np.concatenate((starts[1:], [len(beam)])) - starts
-    moments = np.add.reduceat(_squares(points), starts, axis=1)
+    moments = np.add.reduceat(squares(points), starts, axis=1)
     normals, distances, spreads = fit(moments)
     is_good = (counts >= MIN_POINTS) & (spreads < MAX_SPREAD)
     if not is_good.any():
@@ -121,6 +121,12 @@ def find_segments(beams: Beams) -> Segments | None:
     return Segments(beam[starts], beam[lasts], from_, to, lengths, normals, distances, spreads, moments, of_beam)
 
 
+def squares(points: Floats) -> Floats:
+    """Return what each point, shape (2, n), adds to the moments of `Segments`, shape (6, n)."""
+    x, y = points
+    return np.array((np.ones_like(x), x, y, x * x, y * y, x * y))
+
+
 def fit(moments: Floats) -> tuple[Floats, Floats, Floats]:
     """Fit lines to points by their moments, as in `Segments`.
 
@@ -137,11 +143,6 @@ def fit(moments: Floats) -> tuple[Floats, Floats, Floats]:
     sign = np.where(distances < 0.0, -1.0, 1.0)
     least = 0.5 * (var_x + var_y - np.hypot(var_x - var_y, 2.0 * var_xy))
     return normals * sign, distances * sign, np.sqrt(np.maximum(least, 0.0))
-
-
-def _squares(points: Floats) -> Floats:
-    x, y = points
-    return np.array((np.ones_like(x), x, y, x * x, y * y, x * y))
 
 
 def _onto(points: Floats, normals: Floats, distances: Floats) -> Floats:

@@ -14,6 +14,7 @@ from apps.indoor_navigation.algorithms.bodies import Bodies
 from apps.indoor_navigation.algorithms.perception import Perceived
 from apps.indoor_navigation.algorithms.pose_history import is_pose_jump
 from apps.indoor_navigation.algorithms.rays import Rays, in_robot
+from apps.indoor_navigation.algorithms.segments import fit, squares
 from apps.indoor_navigation.data import Floats, Ints, Pose
 
 MAX_DISTANCE = 2.5  # m from the robot; goto and avoiding look no farther
@@ -111,25 +112,17 @@ def behind_faces(seen: Rays, chosen: Ints) -> tuple[Floats, Floats]:
 
     What is too small or too crooked for a face has none.
     """
-    x, y = seen.end_x[chosen], seen.end_y[chosen]
-    away_x, away_y = seen.end_x - x[:, None], seen.end_y - y[:, None]  # (chosen, rays)
-    is_near = seen.hits & (away_x * away_x + away_y * away_y < FACE_RADIUS * FACE_RADIUS)
-    count = is_near.sum(axis=1)
-    weights = is_near / np.maximum(count, 1)[:, None]
-    mean_x, mean_y = (weights * away_x).sum(axis=1), (weights * away_y).sum(axis=1)
-    xx = (weights * away_x * away_x).sum(axis=1) - mean_x * mean_x
-    yy = (weights * away_y * away_y).sum(axis=1) - mean_y * mean_y
-    xy = (weights * away_x * away_y).sum(axis=1) - mean_x * mean_y
-    middle, half = (xx + yy) / 2.0, np.hypot((xx - yy) / 2.0, xy)
-    along, across = middle + half, np.maximum(middle - half, 0.0)  # variances, m²
-    is_face = (count >= MIN_PLACES) & (along > MIN_SPREAD**2) & (across < MAX_SLENDERNESS**2 * along)
-    x, y = x[is_face], y[is_face]
-    direction = 0.5 * np.arctan2(2.0 * xy, xx - yy)[is_face]
-    normal_x, normal_y = -np.sin(direction), np.cos(direction)
-    from_x, from_y = x - seen.origin_x[chosen][is_face], y - seen.origin_y[chosen][is_face]
-    side = np.sign(normal_x * from_x + normal_y * from_y)
-    depths = np.array(DEPTHS)[:, None] * side
-    return (x + depths * normal_x).ravel(), (y + depths * normal_y).ravel()
+    rays = np.array((seen.end_x - seen.origin_x, seen.end_y - seen.origin_y))
+    away = rays[:, None, :] - rays[:, chosen, None]  # (2, chosen, rays)
+    is_near = seen.hits & ((away * away).sum(axis=0) < FACE_RADIUS * FACE_RADIUS)
+    moments = squares(rays) @ is_near.T
+    normals, _, across = fit(moments)
+    count, x, y, xx, yy, _ = moments
+    along = (xx + yy) / count - (x * x + y * y) / (count * count) - across * across  # variance, m²
+    is_face = (count >= MIN_PLACES) & (along > MIN_SPREAD**2) & (across * across < MAX_SLENDERNESS**2 * along)
+    ends = np.array((seen.end_x[chosen], seen.end_y[chosen]))[:, is_face]
+    behind = ends[:, None, :] + np.array(DEPTHS)[:, None] * normals[:, None, is_face]
+    return behind[0].ravel(), behind[1].ravel()
 
 
 def _thinned(x: Floats, y: Floats, indices: Ints) -> Ints:

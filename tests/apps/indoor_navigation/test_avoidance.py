@@ -9,13 +9,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from apps.indoor_navigation.algorithms.avoidance import CREEP_SPEED, CREEP_TURN, avoid
-from apps.indoor_navigation.algorithms.bodies import Bodies
 from apps.indoor_navigation.algorithms.braking import safe_speed
 from apps.indoor_navigation.algorithms.orientation import turn
 from apps.indoor_navigation.algorithms.outline import Outline
-from apps.indoor_navigation.algorithms.perception import Perceived, Perception
+from apps.indoor_navigation.algorithms.perception import Perception
 from apps.indoor_navigation.algorithms.rays import Rays
-from apps.indoor_navigation.algorithms.surroundings import Surroundings
 from apps.indoor_navigation.algorithms.walkers import ScanMotion, WalkerMemory
 from apps.indoor_navigation.data import Floats, LaserRead, RobotOdometry, SonarRead
 from apps.indoor_navigation.parameters import shipped_parameters
@@ -27,10 +25,6 @@ PARAMETERS = replace(shipped_parameters("obstacle_avoiding").avoidance, decelera
 ORIENTING = shipped_parameters("orienting")
 NOWHERE: tuple[Floats, Floats] = (np.empty(0), np.empty(0))
 PLACES = st.lists(st.tuples(st.floats(-2.0, 2.0), st.floats(-2.0, 2.0)), min_size=1, max_size=20)
-
-
-def perceived_in(scan: LaserRead) -> Perceived:
-    return Perceived(scan.stamp, scan.pose, Rays.of_laser(scan, 120), Bodies.none())
 
 
 def at(*places: tuple[float, float]) -> tuple[Floats, Floats]:
@@ -209,20 +203,6 @@ def test_only_what_is_where_the_last_scan_saw_through_has_moved() -> None:
     assert len(motion.look(scan(room, 0.6))[0]) == 0
 
 
-@pytest.mark.parametrize("step", [0.005, 0.02, 0.05])
-def test_what_leaves_the_view_is_remembered_however_slowly_it_does(step: float) -> None:
-    surroundings = Surroundings()
-    angles = np.radians(np.linspace(-90.0, 90.0, 361))
-    along = np.arange(0.0, 0.61, step)
-    for number, x in enumerate(along):
-        ranges = 0.4 / np.maximum(np.abs(np.sin(angles)), 0.05)  # a corridor 0.8 m wide
-        surroundings.see(perceived_in(scan(ranges, 0.1 * number, (float(x), 0.0, 0.0))))
-    x, y = surroundings.places((float(along[-1]), 0.0, 0.0))
-    behind = np.sort(x[(x < 0.0) & (y > 0.0)])
-    assert behind[0] < -0.5
-    assert np.diff(behind).max() < 0.08
-
-
 def test_who_walks_away_is_not_thought_to_come() -> None:
     def approach(speed: float) -> float:
         walkers = WalkerMemory()
@@ -288,60 +268,6 @@ def test_a_silent_sensor_is_left_out_and_missed() -> None:
     assert len(perceived.rays.end_x) == 3
 
 
-def test_what_has_left_the_view_is_remembered_and_what_is_seen_through_is_not() -> None:
-    surroundings = Surroundings()
-    ranges = np.full(361, 5.0)
-    ranges[:40] = 0.5  # to the right
-    surroundings.see(perceived_in(scan(ranges)))
-    surroundings.see(perceived_in(scan(np.full(361, 5.0), 0.1, (0.4, 0.0, 0.0))))
-    x, y = surroundings.places((0.4, 0.0, 0.0))
-    assert len(x) > 3
-    assert y.max() < -0.3
-    surroundings.see(perceived_in(scan(np.full(361, 5.0), 0.2, (-0.5, 0.0, 0.0))))
-    assert len(surroundings.places((0.0, 0.0, 0.0))[0]) == 0
-
-
-def test_what_was_beside_the_robot_is_remembered_when_it_backs_up_to_it_again() -> None:
-    surroundings = Surroundings()
-    ranges = np.full(361, 5.0)
-    ranges[:40] = 0.5  # to the right
-    for number, x in enumerate((0.0, 0.4, 0.8, 1.2, 1.6, 1.2, 0.8, 0.4)):
-        seen = ranges if number == 0 else np.full(361, 5.0)
-        surroundings.see(perceived_in(scan(seen, 0.1 * number, (x, 0.0, 0.0))))
-    assert len(surroundings.places((0.4, 0.0, 0.0))[0]) > 3
-    surroundings.see(perceived_in(scan(np.full(361, 5.0), 1.0, (3.0, 0.0, 0.0))))
-    surroundings.see(perceived_in(scan(np.full(361, 5.0), 1.1, (2.0, 0.0, 0.0))))
-    assert len(surroundings.places((0.4, 0.0, 0.0))[0]) == 0, "it was too far away meanwhile"
-
-
-def listened(stamp: float, x: float, *ranges: float) -> Perceived:
-    """What two discs hear, ahead and to the left, of a robot that has driven so far."""
-    headings, zeros = np.array([0.0, pi / 2.0]), np.zeros(2)
-    echoes = SonarRead(stamp, (x, 0.0, 0.0), zeros, np.array([0.0, 0.01]), headings, np.array(ranges))
-    return Perceived(stamp, echoes.pose, Rays.of_sonar(echoes), Bodies.none())
-
-
-def test_without_a_laser_an_echo_is_remembered_between_the_cones_and_not_where_a_disc_hears_through() -> None:
-    surroundings = Surroundings()
-    surroundings.see(listened(0.0, 0.0, 5.0, 0.5))
-    surroundings.see(listened(0.1, -0.4, 5.0, 5.0))  # the leg is ahead on the left, between the two cones
-    x, y = surroundings.places((0.0, 0.0, 0.0))
-    assert np.hypot(x, y - 0.51).min() < 0.01
-    surroundings.see(listened(0.2, 0.0, 5.0, 5.0))
-    assert len(surroundings.places((0.0, 0.0, 0.0))[0]) == 0
-
-
-def test_what_was_seen_before_the_pose_jumped_is_forgotten() -> None:
-    surroundings = Surroundings()
-    ranges = np.full(361, 5.0)
-    ranges[:40] = 0.5  # to the right
-    surroundings.see(perceived_in(scan(ranges)))
-    surroundings.see(perceived_in(scan(np.full(361, 5.0), 0.1, (0.4, 0.0, 0.0))))
-    assert len(surroundings.places((0.4, 0.0, 0.0))[0]) > 3
-    surroundings.see(perceived_in(scan(np.full(361, 5.0), 0.2, (0.4, 0.9, 0.0))))
-    assert len(surroundings.places((0.4, 0.0, 0.0))[0]) == 0
-
-
 @given(st.floats(-pi, pi), st.floats(-pi, pi))
 def test_a_turn_ends_at_its_heading_and_not_beyond(start: float, wanted: float) -> None:
     heading, angular, told = start, 0.0, [0.0, 0.0]
@@ -359,11 +285,6 @@ def test_a_turn_ends_at_its_heading_and_not_beyond(start: float, wanted: float) 
         beyond = max(beyond, -left if first > 0.0 else left)
     assert abs(wrap_angle(wanted - heading)) < 0.05
     assert beyond < 0.03 or abs(first) > 3.1
-
-
-def test_nothing_is_seen_where_nothing_is() -> None:
-    assert len(Rays.none().followed_by(Rays.none()).end_x) == 0
-    assert len(Surroundings().places((0.0, 0.0, 0.0))[0]) == 0
 
 
 @given(ahead=st.floats(0.25, 4.0))

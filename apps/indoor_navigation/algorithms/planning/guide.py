@@ -266,9 +266,9 @@ class Guide:
 
     def advance(self) -> None:
         """Update the costs near the robot, and remove what has been driven of the plan."""
-        self._near = self._memory.survey_near()
+        near = self._near = self._memory.survey_near()
         plan = self.plan
-        while len(plan.pieces) > 1 and self._is_driven(plan.pieces[0]):
+        while len(plan.pieces) > 1 and self._is_driven(plan.pieces[0], near):
             plan = plan.without_first()
         first = plan.pieces[0]
         is_turn = first.motion is Motion.TURN
@@ -326,12 +326,11 @@ class Guide:
     def _beyond(self) -> Way:
         return self._plan.beyond if self._plan is not None else ()
 
-    def _is_driven(self, piece: PlanPiece) -> bool:
+    def _is_driven(self, piece: PlanPiece, near: Ground) -> bool:
         """Return whether the robot is at the end of a piece, or beside it."""
         x, y, heading = piece.end
         if piece.motion is Motion.TURN:
-            has_room = self._near is not None and self._near.room > ROOMY
-            return self.off(heading) < (FACING_IN_ROOM if has_room else FACING)
+            return self.off(heading) < (FACING_IN_ROOM if near.room > ROOMY else FACING)
         left_x, left_y = x - self._memory.place[0], y - self._memory.place[1]
         left = left_x * cos(heading) + left_y * sin(heading)
         is_near = hypot(left_x, left_y) < OFF_PLAN
