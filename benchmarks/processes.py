@@ -69,7 +69,7 @@ def usage(pid: int) -> Usage:
         OSError, KeyError: It has ended.
     """
     rows = dict(line.split(":", 1) for line in Path(f"/proc/{pid}/status").read_text(encoding="utf-8").splitlines())
-    files = len(os.listdir(f"/proc/{pid}/fd"))  # noqa: PTH208  # names only, and often
+    files = sum(1 for _ in Path(f"/proc/{pid}/fd").iterdir())
     return Usage(int(rows["RssAnon"].split()[0]), int(rows["Threads"]), files)
 
 

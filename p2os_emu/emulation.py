@@ -142,7 +142,7 @@ def _check(path: Path, options: EmulatorOptions) -> int:
 @contextlib.contextmanager
 def _clean_output() -> Iterator[None]:
     """Discard what the engine's window prints; only Python's output reaches standard output."""
-    with open(os.dup(1), "w", encoding="utf-8") as own, open(os.devnull, "wb") as nowhere:  # noqa: PTH123  # descriptors, no paths
+    with os.fdopen(os.dup(1), "w", encoding="utf-8") as own, Path(os.devnull).open("wb") as nowhere:
         os.dup2(nowhere.fileno(), 1)
         try:
             with contextlib.redirect_stdout(own):

@@ -101,7 +101,7 @@ def _order(*arguments: Any) -> dict[str, Any] | None:
         or not close_fds
         or others != [None, None, None, -1, None]
         or _of_interpreter(environment) != _of_interpreter(os.environ)
-        or not os.path.isdir(folder)  # noqa: PTH112  # bytes or text; `subprocess` says what is wrong with it
+        or not Path(folder).is_dir()  # `subprocess` says what is wrong with it
     ):
         return None
     return {

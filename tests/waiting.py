@@ -13,6 +13,7 @@ import time
 from collections.abc import AsyncIterator, Callable, Sequence
 from contextlib import asynccontextmanager
 from functools import cache
+from pathlib import Path
 from typing import Any
 
 DEADLINE = 20.0  # s; starting a process and meeting it on the bus takes 2 s, and only a failing test waits so long
@@ -176,8 +177,7 @@ def _processor() -> float:
 def _running() -> int:
     """How many threads of the whole machine run or want to run at this moment, without this one."""
     try:
-        with open("/proc/loadavg", encoding="ascii") as file:  # noqa: PTH123  # read often, and faster so
-            return int(file.read().split()[3].partition("/")[0]) - 1
+        return int(Path("/proc/loadavg").read_text(encoding="ascii").split()[3].partition("/")[0]) - 1
     except OSError:  # no Linux; the load average remains
         return 0
 

@@ -4,7 +4,7 @@ import math
 import time
 from collections.abc import Iterable
 from contextlib import suppress
-from typing import TypeVar, cast
+from typing import Any, TypeVar, cast
 
 from agents.client.discovery import Discovery
 from agents.client.element import ElementClient
@@ -50,7 +50,7 @@ ELEMENTS: dict[str, type[ElementClient[Reading]]] = {
 }
 
 _SHOWN_EVERY = 0.5  # s
-E = TypeVar("E", bound=ElementClient)  # type: ignore[type-arg]  # whatever it reads
+E = TypeVar("E", bound=ElementClient[Any])
 
 
 class Robot:
