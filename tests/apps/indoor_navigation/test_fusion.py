@@ -5,7 +5,7 @@ from math import inf, nan
 from typing import Any
 
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from apps.indoor_navigation.algorithms.fusion import (
@@ -239,6 +239,7 @@ def test_speeds_grow_no_faster_than_the_accelerations_allow(given_steps: list[tu
 
 
 @given(steps)
+@example([(0.25, MotionCmd(0.0, "goto", 1.0, 0.0, 0.5)), (0.25, None), (0.3, None)])
 def test_without_limits_and_silence_the_robot_brakes_no_harder_than_the_numbers_say(
     given_steps: list[tuple[float, MotionCmd | None]],
 ) -> None:
@@ -246,7 +247,7 @@ def test_without_limits_and_silence_the_robot_brakes_no_harder_than_the_numbers_
     fusion, now = Fusion(parameters), 0.0
     before = fusion.fuse(now, EPOCH)
     for elapsed, heard in given_steps:
-        now += elapsed
+        then, now = now, now + elapsed
         fusion.hear(MotionCmd(EPOCH + now, "steady", 0.0, 0.0, 0.0), now, EPOCH + now)
         if heard is not None:
             fusion.hear(
@@ -255,7 +256,7 @@ def test_without_limits_and_silence_the_robot_brakes_no_harder_than_the_numbers_
                 EPOCH + now,
             )
         fused = fusion.fuse(now, EPOCH + now)
-        if elapsed <= MAX_GAP:
+        if now - then <= MAX_GAP:  # as the fuser reckons it: three tenths of a second may be a rounding longer
             assert before.linear - fused.linear <= parameters.braking * elapsed + ROUNDING
             assert abs(before.angular - fused.angular) <= parameters.angular_braking * elapsed + ROUNDING
         before = fused
