@@ -26,7 +26,6 @@ TURN_POSES = 13  # of a turn that are ordered at once: below pi, so the side is 
 NEXT_POSES = 12  # of a piece among which the robot's progress is looked for
 REACHED = 0.1  # m before the end of a piece where it counts as driven
 FACING = 0.12  # rad off the end of a turn where it counts as turned
-ROOMY, FACING_IN_ROOM = 0.2, 0.5  # likewise, with so many m of room about the robot: it turns on while it drives
 OFF_PLAN = 0.5  # m off the plan from which on it is no use
 ASIDE_TOLERANCE = 0.2  # m from a place aside
 SEARCH_AGAIN = 2.0  # s after a search without a result; it takes far longer than one that finds a way
@@ -266,9 +265,9 @@ class Guide:
 
     def advance(self) -> None:
         """Update the costs near the robot, and remove what has been driven of the plan."""
-        near = self._near = self._memory.survey_near()
+        self._near = self._memory.survey_near()
         plan = self.plan
-        while len(plan.pieces) > 1 and self._is_driven(plan.pieces[0], near):
+        while len(plan.pieces) > 1 and self._is_driven(plan.pieces[0]):
             plan = plan.without_first()
         first = plan.pieces[0]
         is_turn = first.motion is Motion.TURN
@@ -326,11 +325,11 @@ class Guide:
     def _beyond(self) -> Way:
         return self._plan.beyond if self._plan is not None else ()
 
-    def _is_driven(self, piece: PlanPiece, near: Ground) -> bool:
+    def _is_driven(self, piece: PlanPiece) -> bool:
         """Return whether the robot is at the end of a piece, or beside it."""
         x, y, heading = piece.end
         if piece.motion is Motion.TURN:
-            return self.off(heading) < (FACING_IN_ROOM if near.room > ROOMY else FACING)
+            return self.off(heading) < FACING
         left_x, left_y = x - self._memory.place[0], y - self._memory.place[1]
         left = left_x * cos(heading) + left_y * sin(heading)
         is_near = hypot(left_x, left_y) < OFF_PLAN

@@ -8,7 +8,6 @@ import pytest
 from apps.indoor_navigation.algorithms.outline import Outline
 from apps.indoor_navigation.algorithms.planning.guide import Guide
 from apps.indoor_navigation.algorithms.planning.memory import Memory
-from apps.indoor_navigation.algorithms.planning.plan import Motion
 from apps.indoor_navigation.algorithms.planning.terrain import BARRED
 from apps.indoor_navigation.data import GoalPoint, ObstRead, Place
 from apps.indoor_navigation.parameters import shipped_parameters
@@ -131,31 +130,3 @@ def test_what_comes_before_a_wall_may_go_again(x: float) -> None:
     thing = area.cell(x - 0.1, 0.0)
     assert area.occupied[thing]
     assert not area.staying[thing]
-
-
-def between_walls(half: float, stamp: float, heading: float) -> ObstRead:
-    """All that is seen between two walls along x, each so many m away; as far as 5 m."""
-    angles = np.linspace(-np.pi, np.pi, 720, endpoint=False)
-    lengths = np.minimum(half / np.maximum(np.abs(np.sin(angles)), 1e-6), 5.0)
-    nothing = np.zeros(len(angles))
-    ends = lengths * np.cos(angles), lengths * np.sin(angles)
-    return ObstRead(
-        stamp, (0.0, 0.0, heading), None, 0.0, nothing, nothing, *ends, (lengths < 5.0).astype(float), False
-    )
-
-
-@pytest.mark.parametrize(("half", "after"), [(2.0, Motion.GO), (0.45, Motion.TURN)], ids=["room", "no room"])
-def test_a_robot_drives_before_it_has_turned_to_its_way_only_where_there_is_room(half: float, after: Motion) -> None:
-    parameters = shipped_parameters("path_planning").mission.guide
-    memory = Memory(parameters.memory, Outline(0.2, 0.3, 0.4))
-    guide = Guide(parameters, memory, GoalPoint("mission", -4.0, 0.0))
-    for step in range(20):
-        memory.see(between_walls(half, 0.1 * step, 0.0))
-    assert guide.look(2.0) is not None
-    guide.advance()
-    assert guide.piece.motion is Motion.TURN
-    end = float(guide.plan.pieces[0].end[2])
-    for off, motion in ((0.9, Motion.TURN), (0.4, after), (0.05, Motion.GO)):
-        memory.see(between_walls(half, 3.0 - off, end - np.copysign(off, end)))
-        guide.advance()
-        assert guide.piece.motion is motion, off
