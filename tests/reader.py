@@ -26,6 +26,7 @@ class Reader:
 
     def __init__(self, place: LiveTeam) -> None:
         self.open: dict[str, subprocess.Popen[bytes]] = {}
+        self._screens: dict[str, Path] = {}  # what each of them shows
         self._place = place
         self._latest: subprocess.Popen[bytes] | None = None
 
@@ -44,6 +45,7 @@ class Reader:
         """Type commands, each when the one before has ended."""
         self._shown = self._place.folder / f"shown-{time.monotonic_ns()}"
         for line in lines.splitlines():
+            self._screens[line] = self._shown
             self.open[line] = self._latest = self._begin(shlex.split(line))
             if line.split()[1] not in (*LEFT_OPEN, *ENDED_BY_HAND):
                 exit_code(self.open.pop(line), LIMIT)
@@ -53,7 +55,7 @@ class Reader:
         assert self._latest is not None, "nothing has been typed"
         deadline, goes_on = Deadline(LIMIT), True
         while not looks_like(expected, shown := self._shown.read_text(encoding="utf-8")):
-            assert goes_on, f"expected:\n{expected}\nshown:\n{shown}"
+            assert goes_on, f"expected:\n{expected}\nshown:\n{shown}\n{self._others()}"
             goes_on = self._latest.poll() is None and not deadline.has_passed()
             time.sleep(0.05)
         for line in [line for line in self.open if line.split()[1] in ENDED_BY_HAND]:
@@ -72,6 +74,11 @@ class Reader:
         """Press Ctrl-C in all terminals, the last opened first."""
         for line in reversed(list(self.open)):
             self.end(line)
+
+    def _others(self) -> str:
+        """What the other terminals show; a program that is not there may have said why it ended."""
+        screens = {line: self._screens[line] for line in self.open if self._screens[line] != self._shown}
+        return "\n".join(f"{line}:\n{screen.read_text(encoding='utf-8')}" for line, screen in screens.items())
 
     def _begin(self, words: list[str]) -> "subprocess.Popen[bytes]":
         with self._shown.open("ab") as shown:
