@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from random import Random
 
-from p2os.framing import split_frames
+from p2os.framing import BITS_PER_BYTE, split_frames
 from p2os_emu.links.stage import LinkStage, Rates
 
 _ROUNDING = 1e-9  # s; times are sums of steps
@@ -20,8 +20,9 @@ class Impairments:
     """Impairments of one direction; none by default.
 
     delay: s that every byte takes. jitter: s, at most so much more, drawn for each piece; the order is kept.
-    loss: fraction of bytes lost between bursts. burst_start, burst_end: chance for each byte that a burst of loss
-        begins or ends before it. burst_loss: fraction of bytes lost in a burst.
+    loss: fraction of bytes lost between bursts. burst_start, burst_end: chance in the time of each byte of a full line
+        that a burst of loss begins or ends; bursts come and go also while nothing is sent. burst_loss: fraction of
+        bytes lost in a burst.
         Source: Gilbert and Elliott's two-state channel.
     bit_errors: fraction of bits turned round.
     damage: fraction of bytes replaced by another value.
@@ -74,7 +75,10 @@ class _Delay:
 
 
 class _Loss:
-    """Loses bytes: few between bursts, many in bursts."""
+    """Loses bytes: few between bursts, many in bursts.
+
+    A fade lasts as long on a line that is quiet as on a full one, so the time without bytes counts as well.
+    """
 
     def __init__(self, impairments: Impairments, rng: Random) -> None:
         rates = impairments.loss, impairments.burst_loss, impairments.burst_start, impairments.burst_end
@@ -83,18 +87,34 @@ class _Loss:
         self._hits = lost, lost_in_burst
         self._changes = begin, end
         self._in_burst = False
+        self._latest: float | None = None
+        self._room = 0.0  # bytes that could have passed since then
 
     def carry(self, data: bytes, now: float, rates: Rates) -> bytes:
         """As `LinkStage.carry`."""
+        self._let_pass(now, rates.host, len(data))
         kept = bytearray()
         while data:
-            change = self._changes[self._in_burst].first(len(data))
-            end = len(data) if change is None else change
+            end, changes = self._until_change(len(data))
             kept += self._thin(data[:end])
             data = data[end:]
-            if change is not None:
-                self._in_burst = not self._in_burst
+            self._in_burst ^= changes
         return bytes(kept)
+
+    def _let_pass(self, now: float, baud: int, sent: int) -> None:
+        """Let the state change in the time since the last call in which nothing was sent."""
+        elapsed = 0.0 if self._latest is None else now - self._latest
+        self._latest = now
+        self._room = max(0.0, self._room + elapsed * baud / BITS_PER_BYTE - sent)
+        while self._room >= 1.0:
+            passed, changes = self._until_change(int(self._room))
+            self._room -= passed
+            self._in_burst ^= changes
+
+    def _until_change(self, count: int) -> tuple[int, bool]:
+        """Return how many of so many bytes pass before the state changes, and whether it does."""
+        change = self._changes[self._in_burst].first(count)
+        return (count, False) if change is None else (change, True)
 
     def _thin(self, data: bytes) -> bytes:
         kept = bytearray(data)

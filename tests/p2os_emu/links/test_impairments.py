@@ -107,6 +107,15 @@ def test_loss_comes_in_bursts_of_the_length_that_was_asked_for() -> None:
     assert lost / bursts == pytest.approx(50, rel=0.2)
 
 
+def test_a_burst_lasts_as_long_on_a_quiet_line_as_on_a_full_one() -> None:
+    # At 9600 bit/s 50 bytes pass in 52 ms: of two frames that leave 0.4 s apart, a burst of that length takes one.
+    stage = stage_of(Impairments(burst_start=1 / 2000, burst_end=1 / 50), 8)
+    kept = [stage.carry(SIP if step % 40 == 0 else b"", step / 100, RATES) for step in range(800_000)][::40]
+    lost = [step for step, frame in enumerate(kept) if frame != SIP]
+    assert len(lost) / len(kept) == pytest.approx((50 + len(SIP)) / 2050, rel=0.2)
+    assert sum(b - a == 1 for a, b in pairwise(lost)) / len(lost) < 0.05
+
+
 def test_late_bytes_keep_their_order_whatever_the_jitter() -> None:
     stage = stage_of(Impairments(delay=0.05, jitter=0.2), 1)
     arrived = [stage.carry(bytes([step]) if step < 50 else b"", step / 100, RATES) for step in range(100)]
