@@ -55,8 +55,10 @@ REPEAT_STOP = 0.15
 """Seconds after which a robot that still rolls is told to stop again."""
 TIME_TO_BRAKE = 1.0
 """Seconds after an e-stop at which the motors lose their power, even if the robot still rolls."""
-TIME_TO_ENABLE = 0.5
-"""Seconds within which SIPs may not yet show that the motors were switched on."""
+TIME_TO_SWITCH = 0.5
+"""Seconds within which SIPs may not yet show that the motors were switched."""
+MOST_SWITCHED = 3
+"""Times that the motors are switched at most while SIPs do not show it. A frame can be lost; people have buttons."""
 
 STANDSTILL = 0.0, 0.0
 ESTOP = encode_command(Command.ESTOP)
@@ -92,7 +94,8 @@ class MotionTracker:
         self._holds = False
         self._estopped_at = -inf
         self._stopped_at = -inf
-        self._enabled_at = -inf
+        self._switched_at = -inf
+        self._switches_left = 0
         self._motors_on = False
         self.is_estopped = False
         self.is_rolling = False
@@ -124,16 +127,17 @@ class MotionTracker:
         self._speeds.clear()
         self._motors_on = False
         self._outbox.put("stop", STOP)
+        self._switches_left = 0
         if self.wants_motors and not self.is_estopped:
-            self._outbox.put(Command.ENABLE, MOTORS_ON)
-            self._enabled_at = now
+            self._switches_left = MOST_SWITCHED
+            self._switch_motors(now)
 
     def lose_link(self) -> None:
         """Drop all commands: the robot is lost."""
         self._finish(MotionEnd.LOST)
         self._is_open = False
         self._mode = _Mode.UNASKED
-        self._enabled_at = -inf
+        self._switched_at = -inf
 
     def limit_speeds(self, linear: float, angular: float, frames: Iterable[tuple[str, bytes]]) -> None:
         """Set what no motion exceeds.
@@ -181,11 +185,12 @@ class MotionTracker:
         self._check_free(now)
         self._finish(MotionEnd.REPLACED)
         self._outbox.drop(Command.VEL, Command.RVEL)
+        may_roll = self.is_rolling or self.is_asked_to_move
         self._mode = _Mode.TRAVELLING
         self._motion = motion
         for name, frame in self._speed_limits.items():  # each time: a robot forgets them with the connection
             self._outbox.put(name, frame)
-        self._queue_journey()
+        self._queue_journey(may_roll, now)
 
     def stop(self, now: float) -> None:
         """Stop, and let no stream of velocities go on until it has paused for `CMD_VEL_SILENCE`."""
@@ -218,6 +223,7 @@ class MotionTracker:
         """Stop at once, latch, and switch the motors off when the robot stands."""
         self.is_estopped = self._needs_enable = True
         self.wants_motors = False
+        self._switches_left = 0
         self._estopped_at = now
         self._outbox.drop(Command.ENABLE)
         self.halt(now)
@@ -237,8 +243,8 @@ class MotionTracker:
         self.halt(now)
         self.wants_motors = on
         self._needs_enable = self._needs_enable and not on
-        self._enabled_at = now if on else -inf
-        self._outbox.put(Command.ENABLE, MOTORS_ON if on else MOTORS_OFF)
+        self._switches_left = MOST_SWITCHED
+        self._switch_motors(now)
 
     def take(self, sip: StandardSip, now: float) -> None:
         """Take a plausible SIP that the odometry has already taken."""
@@ -248,7 +254,7 @@ class MotionTracker:
         if self._motion is not None:
             end = self._motion.update(sip, now)
             if end is None:
-                self._queue_journey()
+                self._queue_journey(self.is_rolling, now)
             else:
                 self.halt(now, end)
         elif self._mode is _Mode.STANDING and self.is_rolling and now - self._stopped_at >= REPEAT_STOP:
@@ -281,7 +287,7 @@ class MotionTracker:
     def _check_free(self, now: float) -> None:
         if self.is_estopped:
             raise CommandRefused('the e-stop is latched; send estop {"on": false} and then enable {"on": true}')
-        has_power = self._motors_on or now - self._enabled_at <= TIME_TO_ENABLE
+        has_power = self._motors_on or (self.wants_motors and now - self._switched_at <= TIME_TO_SWITCH)
         if self._needs_enable or not has_power:  # released so soon after an e-stop, they have not been switched off yet
             raise CommandRefused('the motors are off; send enable {"on": true}')
 
@@ -291,9 +297,9 @@ class MotionTracker:
             self._outbox.put(command, frame)
             self._speeds[command] = frame, now
 
-    def _queue_journey(self) -> None:
+    def _queue_journey(self, is_rolling: bool, now: float) -> None:
         if self._motion is not None:
-            for index, frame in enumerate(self._motion.frames()):
+            for index, frame in enumerate(self._motion.frames(is_rolling, now)):
                 self._outbox.put(("journey", index), frame)
 
     def _finish(self, end: MotionEnd) -> None:
@@ -301,13 +307,22 @@ class MotionTracker:
         if motion is not None:
             self._report(MotionEnded(motion.motion_id, motion.kind, end, motion.done, motion.goal, motion.unit))
 
+    def _switch_motors(self, now: float) -> None:
+        self._outbox.put(Command.ENABLE, MOTORS_ON if self.wants_motors else MOTORS_OFF)
+        self._switched_at = now
+        self._switches_left -= 1
+
     def _follow_motors(self, sip: StandardSip, now: float) -> None:
         went_off = self._motors_on and not sip.motors_enabled
         self._motors_on = sip.motors_enabled
+        if sip.motors_enabled == self.wants_motors or sip.stop_button or sip.e_stalled:
+            self._switches_left = 0  # from now on somebody else has switched them
         if self._needs_enable and sip.motors_enabled:
             if not self.is_rolling or now - self._estopped_at >= TIME_TO_BRAKE:
                 self._outbox.put(Command.ENABLE, MOTORS_OFF)
-        elif went_off and now - self._enabled_at > TIME_TO_ENABLE:
+        elif self._switches_left and now - self._switched_at > TIME_TO_SWITCH:
+            self._switch_motors(now)
+        elif went_off and now - self._switched_at > TIME_TO_SWITCH:
             # The robot did it by itself (STOP button, e-stall, low battery): it takes a person to switch them on again.
             self.wants_motors = False
             self.halt(now, MotionEnd.STOPPED_BY_ROBOT)

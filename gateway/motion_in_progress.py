@@ -1,4 +1,9 @@
-"""Long motions: the robot gets one command, and its SIPs show how the motion ends."""
+"""Long motions: the robot gets one command, and its SIPs show how the motion ends.
+
+A radio link loses frames, and the robot acknowledges none. So a motion begins at rest, and a robot that still stands
+after a while is given the command again. One that was driving would go on as before if the command were lost, for as
+long as the line keeps its watchdog quiet.
+"""
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterator
@@ -8,6 +13,8 @@ from gateway.events import MotionEnd
 from gateway.odometry import OdometryTracker
 from p2os import Command, StandardSip, encode_command
 
+STOP = encode_command(Command.STOP)
+
 AT_REST = 0.01
 """m/s below which a wheel stands."""
 REST_TO_ARRIVE = 0.2
@@ -15,6 +22,9 @@ REST_TO_GIVE_UP = 1.0
 STALL_TO_GIVE_UP = 1.0
 """Seconds."""
 TIME_TO_START = 0.5
+"""Seconds; modems on both ways take half of it. A robot that is given a command twice follows the later one."""
+MOST_TOLD = 3
+"""Times that the command is sent to a robot that stands."""
 TIME_TO_SPARE = 10.0
 SLOWEST = 0.05
 """m/s or rad/s at the least, on the whole way; slower is a timeout."""
@@ -35,21 +45,55 @@ class MotionInProgress(ABC):
     tolerance: float
     unit: str
 
-    def __init__(self, motion_id: str, kind: str, goal: float, odometry: OdometryTracker, now: float) -> None:
+    def __init__(
+        self, motion_id: str, kind: str, goal: float, command: float, odometry: OdometryTracker, now: float
+    ) -> None:
+        """Make it.
+
+        Args:
+            motion_id, kind, goal: As the attributes.
+            command: The goal by the robot's own odometry, m or rad.
+            odometry: The robot's, by calibrated odometry.
+            now: Steady time, s.
+        """
         self.motion_id = motion_id
         self.kind = kind
         self.goal = goal
         self.done = 0.0
+        self._scale = command / goal if goal else 1.0
         self._odometry = odometry
-        self._started = now
+        self._started = self._told_at = now
+        self._times_told = 0
+        self._is_to_be_told = True
         self._resting_since = self._unstalled_at = now
         self._stalled_at = -inf
-        self._has_rolled = False
+        self._has_rolled = False  # since it was told
         self._rest = 0.0  # s for which both wheels have stood
 
+    def frames(self, is_rolling: bool, now: float) -> Iterator[bytes]:
+        """Return the frames that are due now, given the progress.
+
+        Args:
+            is_rolling: Whether the robot rolls, or may do so at any moment since it was told to.
+            now: Steady time, s.
+        """
+        if not self._is_to_be_told:
+            yield from self._further_frames()
+        elif is_rolling:
+            yield STOP
+        else:
+            self._is_to_be_told = self._has_rolled = False
+            self._times_told += 1
+            self._told_at = now
+            yield from self._first_frames()
+
     @abstractmethod
-    def frames(self) -> Iterator[bytes]:
-        """Return the frames that are due now, given the progress."""
+    def _first_frames(self) -> Iterator[bytes]:
+        """Return the frames that let a robot that stands go on from `done`."""
+
+    def _further_frames(self) -> Iterator[bytes]:
+        """Return the frames that are due on the way."""
+        return iter(())
 
     @abstractmethod
     def _progress(self) -> float:
@@ -76,11 +120,18 @@ class MotionInProgress(ABC):
             return MotionEnd.REACHED
         if now - self._unstalled_at >= STALL_TO_GIVE_UP:
             return MotionEnd.STALLED
-        if resting >= REST_TO_GIVE_UP:
+        if now - self._told_at >= TIME_TO_START and self._can_have_missed_it(sip):
+            self._is_to_be_told = True
+        elif resting >= REST_TO_GIVE_UP and now - self._told_at >= REST_TO_GIVE_UP:
             return self._why_it_rests(sip)
         if now >= self.times_out_at:
             return MotionEnd.TIMEOUT
         return None
+
+    def _can_have_missed_it(self, sip: StandardSip) -> bool:
+        """Return whether a robot that was told to go stands without a reason that it shows."""
+        is_able = sip.motors_enabled and not (sip.stop_button or sip.e_stalled or sip.left_stalled or sip.right_stalled)
+        return is_able and not self._has_rolled and self._times_told < MOST_TOLD
 
     def _why_it_rests(self, sip: StandardSip) -> MotionEnd:
         """Return how the motion ended of a robot that stands elsewhere than at the goal."""
@@ -106,14 +157,13 @@ class Move(MotionInProgress):
     unit = "m"
 
     def __init__(self, motion_id: str, distance: float, command: float, odometry: OdometryTracker, now: float) -> None:
-        super().__init__(motion_id, "move", distance, odometry, now)
+        super().__init__(motion_id, "move", distance, command, odometry, now)
         self._start = odometry.pose
-        self._frames = [encode_command(Command.RVEL, 0.0), encode_command(Command.MOVE, command)]
 
-    def frames(self) -> Iterator[bytes]:
-        """Return the frames that end rotation and begin translation; once."""
-        while self._frames:
-            yield self._frames.pop(0)
+    def _first_frames(self) -> Iterator[bytes]:
+        """Return the frames that end rotation and begin translation."""
+        yield encode_command(Command.RVEL, 0.0)
+        yield encode_command(Command.MOVE, (self.goal - self.done) * self._scale)
 
     def _progress(self) -> float:
         pose, start = self._odometry.pose, self._start
@@ -138,26 +188,23 @@ class Turn(MotionInProgress):
     def __init__(
         self, motion_id: str, kind: str, angle: float, command: float, odometry: OdometryTracker, now: float
     ) -> None:
-        super().__init__(motion_id, kind, angle, odometry, now)
+        super().__init__(motion_id, kind, angle, command, odometry, now)
         self._start = odometry.turned
-        self._scale = command / angle if angle else 1.0
         self._total = round(degrees(command))
-        self._told: int | None = None
+        self._told = 0  # degrees from the start
         self._is_extended = False  # DCHEAD was the last command
 
-    def frames(self) -> Iterator[bytes]:
-        """Return the frames that end translation and begin rotation, and later those of further steps."""
-        if self._told is None:
-            self._told = self._next_step(0)
-            yield encode_command(Command.VEL, 0.0)
-            yield encode_command(Command.DHEAD, radians(self._told))
-            return
-        turned = degrees(self.done * self._scale)
+    def _first_frames(self) -> Iterator[bytes]:
+        """Return the frames that end translation and begin rotation."""
+        yield encode_command(Command.VEL, 0.0)
+        yield self._from_here()
+
+    def _further_frames(self) -> Iterator[bytes]:
+        """Return the frame of the next step."""
+        turned = self._turned
         if self._is_extended and self._rest >= REST_TO_ARRIVE and abs(self._told - turned) > degrees(self.tolerance):
             self._is_extended = False
-            step = self._next_step(round(turned))
-            self._told = round(turned) + step
-            yield encode_command(Command.DHEAD, radians(step))
+            yield self._from_here()
         elif self._told != self._total and abs(self._told - turned) < self.AHEAD:
             step = self._total - self._told
             if abs(step) > self.STEP:
@@ -166,10 +213,18 @@ class Turn(MotionInProgress):
             self._is_extended = True
             yield encode_command(Command.DCHEAD, radians(step))
 
-    def _next_step(self, turned: int) -> int:
-        """Return the degrees of the next command to a robot at rest that has turned so many."""
+    @property
+    def _turned(self) -> float:
+        """Degrees from the start, by the robot's own odometry."""
+        return degrees(self.done * self._scale)
+
+    def _from_here(self) -> bytes:
+        """Return the next command to a robot at rest."""
+        turned = round(self._turned)
         left = self._total - turned
-        return left if abs(left) <= self.LARGEST_AT_ONCE else self._step()
+        step = left if abs(left) <= self.LARGEST_AT_ONCE else self._step()
+        self._told = turned + step
+        return encode_command(Command.DHEAD, radians(step))
 
     def _step(self) -> int:
         return self.STEP if self._total > 0 else -self.STEP

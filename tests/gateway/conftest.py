@@ -41,7 +41,8 @@ class Bench(VirtualTime):
     """Driver and firmware on one cable. `now` is the driver's steady time; the robot steps with it.
 
     sent: every sound frame from the driver, (time, command). events: what the driver reported, likewise with time.
-    cut: the cable is pulled. deaf: only the robot's ear of it. is_frozen: the driver is not called.
+    cut: the cable is pulled. deaf: only the robot's ear of it. loses: whether the line loses a frame to the robot.
+    is_frozen: the driver is not called.
     """
 
     robot: Microcontroller
@@ -51,6 +52,7 @@ class Bench(VirtualTime):
     robot_baud: int | None = None
     cut: bool = False
     deaf: bool = False
+    loses: Callable[[ReceivedCommand], bool] = lambda command: False
     is_frozen: bool = False
     sent: list[tuple[float, ReceivedCommand]] = field(default_factory=list)
     raw: bytearray = field(default_factory=bytearray)
@@ -80,10 +82,13 @@ class Bench(VirtualTime):
         """Write what the driver has to say now, in steps of its own pace."""
         while data := self.driver.bytes_due(self.now):
             self.raw += data
+            is_lost = self.cut or self.deaf
             for found in self._ear.receive(data, self.now):
                 assert isinstance(found, Frame)
-                self.sent.append((self.now, decode_command(found.payload)))
-            if not (self.cut or self.deaf):
+                command = decode_command(found.payload)
+                self.sent.append((self.now, command))
+                is_lost = is_lost or self.loses(command)
+            if not is_lost:
                 self.robot.receive(data if self._same_rate else bytes(each ^ 0x5A for each in data))
 
     @property
@@ -112,19 +117,21 @@ class Bench(VirtualTime):
 MakeBench = Callable[..., Bench]
 
 
+def new_bench(
+    model: str = "powerbot-sh",
+    rates: Sequence[int] = (9600, 38400, 19200, 115200, 57600),
+    settings: Settings | None = None,
+    robot_baud: int | None = None,
+) -> Bench:
+    """Return a robot of a model with a driver that has not begun."""
+    robot = Microcontroller(load(RobotModel, "robots", model), "happy")
+    driver = Driver(find_model, rates, settings, random.Random(7))
+    return Bench(robot, driver, robot_baud=robot_baud)
+
+
 @pytest.fixture
 def make_bench() -> MakeBench:
-    def make(
-        model: str = "powerbot-sh",
-        rates: Sequence[int] = (9600, 38400, 19200, 115200, 57600),
-        settings: Settings | None = None,
-        robot_baud: int | None = None,
-    ) -> Bench:
-        robot = Microcontroller(load(RobotModel, "robots", model), "happy")
-        driver = Driver(find_model, rates, settings, random.Random(7))
-        return Bench(robot, driver, robot_baud=robot_baud)
-
-    return make
+    return new_bench
 
 
 @pytest.fixture
