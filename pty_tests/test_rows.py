@@ -66,7 +66,7 @@ def test_an_accessory_packet_comes_when_it_is_asked_for_and_only_then(robot: Cli
         assert count(robot, request, 10) >= 3
     if request.stop is not None:
         robot.send(request.number, request.stop)
-        robot.record(3)
+        robot.fresh_sip()
         assert count(robot, request, 4) == 0, "sent after it was stopped"
 
 

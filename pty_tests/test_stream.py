@@ -113,7 +113,7 @@ def test_a_packet_comes_once_for_1_every_cycle_for_2_and_no_more_for_0(robot: Cl
     robot.next(packet)
     assert types(robot.record(5)).count(packet) in (4, 5, 6)
     robot.send(number, 0)
-    robot.record(5)  # those that were on their way, after a while in which the computer was busy, too
+    robot.fresh_sip()
     assert packet not in types(robot.record(3)), "sent after 0"
 
 
