@@ -58,6 +58,10 @@ def application(
             )
             assert process.poll() is None, end_of(process)
             yield process
+        except BaseException as error:
+            process.kill()
+            error.add_note(f"{' '.join(words)} said:\n{end_of(process)[0]}")
+            raise
         finally:
             process.kill()  # a frozen one as well: continued first, it could still drive the robot into the next test
 
