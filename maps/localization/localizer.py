@@ -29,6 +29,7 @@ _SMOOTHING = 0.5  # m of travel after which an old score counts for 1/e ...
 _SMOOTHING_TIME = 1.0  # ... or s while the robot stands
 _DRIVING = 0.03  # m/s; a slower robot stands
 _SILENCE = 2.0  # s; after a longer silence of odometry its watchdog has stopped the robot, and it stands where it was
+_FIRST_LOOK = 1.0  # s for which a lost robot has stood when it looks whether it is where it was; again after twice that
 _FOUND_SIGMA, _FOUND_TURN = 0.1, 0.05  # m and rad, of a pose that was found by search
 _LATE = 0.12  # s after the latest odometry for which its motion is continued
 
@@ -100,6 +101,8 @@ class Localizer:
         self._updated_raw = Pose2D()
         self._poor_travel = 0.0
         self._driven = self._searched_at = 0.0  # s of driving
+        self._standing, self._look_after = 0.0, _FIRST_LOOK  # s
+        self._believed: Pose2D | None = None  # the pose of `odom` in `map` that the readings fitted last
         self._unexplained = 0.0  # s of driving without a pose that explains the readings
 
     def start_at(self, pose: Pose2D, sigma: float | None = None, turn: float | None = None) -> None:
@@ -175,6 +178,7 @@ class Localizer:
 
     def _forget(self) -> None:
         self._memory.clear()
+        self._believed = None
         self._errors.restart()
         self._updated = None
         self._score = self._poor_travel = self._unexplained = 0.0
@@ -223,13 +227,16 @@ class Localizer:
             if interval and travel / interval > _DRIVING:
                 self._driven += min(interval, 1.0)
                 self._unexplained += min(interval, 1.0)
+                self._standing, self._look_after = 0.0, _FIRST_LOOK
+            else:
+                self._standing += interval
         trust = self._settings.trust.laser if is_laser else self._settings.trust.sonar
         axis = ends if ends.ndim == 2 else ends[:, ends.shape[1] // 2]
         is_keyframe = self._memory.add(self._corrected, axis)
         if self._particles is not None:
             self._update(raw, ends, trust, is_laser)
             self._follow_score(axis, trust, travel, interval)
-        self._decide(trust, travel, is_keyframe)
+        self._decide(axis, trust, travel, is_keyframe)
 
     def _begin_after_jump(self, before: Pose2D) -> None:
         """Go on where the robot was when `odom` has a new origin, as after a restart of the gateway; check the pose."""
@@ -274,10 +281,12 @@ class Localizer:
         keep = exp(-travel / _SMOOTHING - interval / _SMOOTHING_TIME) if self._score else 0.0
         self._score = keep * self._score + (1.0 - keep) * score
 
-    def _decide(self, trust: SensorTrust, travel: float, is_keyframe: bool) -> None:
+    def _decide(self, axis: Points, trust: SensorTrust, travel: float, is_keyframe: bool) -> None:
         """Believe the pose, give it up, or search for another one."""
         if self.state is LocalizationState.LOCALIZED:
             self._poor_travel = self._poor_travel + travel if self._score < trust.poor else 0.0
+            if self._score >= trust.good:
+                self._believed = self._map_to_odom
             is_doubtful = is_keyframe and self._score < trust.good and self._remembered_score(trust) < trust.poor
             if is_doubtful or self._poor_travel >= self._settings.trust.patience:
                 self._give_up()
@@ -288,6 +297,9 @@ class Localizer:
             self.state = LocalizationState.SEARCHING if is_elsewhere else LocalizationState.LOCALIZED
         elif self._driven - self._searched_at >= self._settings.search.every:
             self._look_everywhere(trust)
+        elif self._believed is not None and self._standing >= self._look_after:
+            self._look_after = 2.0 * self._standing
+            self._look_where_it_was(self._believed, axis, trust)
 
     def _remembered_score(self, trust: SensorTrust) -> float:
         """Share of the readings of the last metres that the map explains at the pose."""
@@ -316,12 +328,9 @@ class Localizer:
         found = self._search.find(*self._memory.readings(self._corrected), trust.near)
         if found is None:
             return
-        is_believed = self._is_believed(found, trust)
+        is_believed = found.is_clear(trust) and self._memory.travel >= self._settings.trust.travel
         if is_believed or self.state is not LocalizationState.CHECKING:
-            self._begin_at(found.pose, _FOUND_SIGMA, _FOUND_TURN)
-            assert self._raw is not None
-            self._updated, self._updated_raw = self._corrected, self._raw[1]
-            self._score = found.score
+            self._begin_at_found(found)
         if is_believed:
             self.state = LocalizationState.LOCALIZED
         elif found.score >= trust.good:
@@ -330,9 +339,29 @@ class Localizer:
         elif self._unexplained >= self._settings.trust.wrong_map:
             self.state = LocalizationState.WRONG_MAP
 
-    def _is_believed(self, found: FoundPose, trust: SensorTrust) -> bool:
-        is_clear = found.score >= trust.good and found.margin >= trust.margin
-        return is_clear and self._memory.travel >= self._settings.trust.travel
+    def _look_where_it_was(self, believed: Pose2D, axis: Points, trust: SensorTrust) -> None:
+        """Believe the pose of before, continued by odometry, if the present readings fit there and nowhere else.
+
+        Readings that come late, on a busy machine, fit no place while the robot drives. Who asked it to drive stops it
+        then, and no driving would show that they fit again.
+        """
+        assert self._raw is not None
+        present = ReadingMemory(self._settings.memory)
+        present.add(self._corrected, axis)
+        found = self._search.find(*present.readings(self._corrected), trust.near)
+        if found is None or not found.is_clear(trust):
+            return
+        if not self._search.is_apart(found.pose, believed.compose(self._raw[1])):
+            self._memory = present
+            self._begin_at_found(found)
+            self.state = LocalizationState.LOCALIZED
+            self._poor_travel = self._unexplained = 0.0
+
+    def _begin_at_found(self, found: FoundPose) -> None:
+        assert self._raw is not None
+        self._begin_at(found.pose, _FOUND_SIGMA, _FOUND_TURN)
+        self._updated, self._updated_raw = self._corrected, self._raw[1]
+        self._score = found.score
 
 
 def _is_new_origin(step: Pose2D, seconds: float) -> bool:

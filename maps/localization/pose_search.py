@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from geometry.pose import Pose2D, wrap_angle
 from maps.localization.likelihood_field import LikelihoodField, RangeCosts
 from maps.localization.motion import placed
-from maps.localization.settings import LocalizationSettings, PoseSearchSettings, TrustSettings
+from maps.localization.settings import LocalizationSettings, PoseSearchSettings, SensorTrust, TrustSettings
 
 Points = NDArray[np.float64]
 Poses = NDArray[np.float64]
@@ -29,6 +29,10 @@ class FoundPose:
     pose: Pose2D
     score: float
     margin: float
+
+    def is_clear(self, trust: SensorTrust) -> bool:
+        """Return whether it explains the readings, and no other place does."""
+        return self.score >= trust.good and self.margin >= trust.margin
 
 
 class PoseSearch:

@@ -66,17 +66,18 @@ def scan(plan: BuildingMap, pose: Pose2D, rng: np.random.Generator) -> NDArray[n
 class SimulatedDrive:
     """A robot that drives through a plan with odometry that measures distances and turns wrongly.
 
-    pose: where it is. time: s.
+    pose: where it is. time: s. late: s by which scans are older than their stamps say, as on a machine that was busy.
     """
 
     def __init__(self, localizer: Localizer, plan: BuildingMap, pose: Pose2D, seed: int = 0) -> None:
         self.localizer, self.plan, self.pose = localizer, plan, pose
-        self.time = 0.0
+        self.time = self.late = 0.0
         self.distance_error, self.turn_error = 1.0, 1.0
         self.disturb: Callable[[NDArray[np.float64]], NDArray[np.float64]] = lambda ends: ends
         self.states: list[LocalizationState] = []
         self.errors: list[float] = []
         self._odometry = Pose2D(0.0, 0.0, 0.3)
+        self._poses = [pose]
         self._rng = np.random.default_rng(seed)
         localizer.add_odometry(0.0, self._odometry)
 
@@ -86,11 +87,12 @@ class SimulatedDrive:
             for _ in range(round(seconds / PERIOD)):
                 self.time += PERIOD
                 self.pose = integrate(self.pose, Twist2D(linear, angular), PERIOD)
+                self._poses.append(self.pose)
                 measured = Twist2D(linear * self.distance_error, angular * self.turn_error)
                 self._odometry = integrate(self._odometry, measured, PERIOD)
                 self.localizer.add_odometry(self.time, self._odometry)
                 if sees:
-                    ends = scan(self.plan, self.pose, self._rng)
+                    ends = scan(self.plan, self._poses[-1 - round(self.late / PERIOD)], self._rng)
                     self.localizer.add_scan(self.time, self.disturb(ends))
                 self.localizer.advance()
                 estimate = self.localizer.estimate

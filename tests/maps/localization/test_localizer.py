@@ -70,6 +70,38 @@ def test_a_robot_that_is_carried_away_is_found_again() -> None:
     assert robot.errors[-1] < 0.05
 
 
+WINDING = [(0.3, 0.9, 1.5), (0.3, -0.9, 1.5)] * 3
+
+
+@pytest.mark.parametrize("late", [0.6, 1.0])
+def test_a_robot_that_was_lost_for_late_scans_knows_where_it_is_when_it_stands(late: float) -> None:
+    robot = drive()
+    robot.localizer.start_at(START)
+    robot.drive(ROUND[:1])
+    robot.late = late
+    robot.drive(WINDING)
+    robot.late = 0.0
+    assert robot.states[-1] is not LOCALIZED
+    robot.drive([(0.0, 0.0, 5.0)])
+    assert robot.states[-1] is LOCALIZED
+    assert robot.errors[-1] < 0.05
+
+
+@pytest.mark.parametrize("place", [Pose2D(8.5, 1.0, 0.5), Pose2D(2.0, 4.5, 1.5), Pose2D(6.2, 6.4, -2.0)])
+def test_a_robot_that_was_carried_away_and_stands_is_not_believed_where_it_was(place: Pose2D) -> None:
+    robot = drive()
+    robot.localizer.start_at(START)
+    robot.drive(ROUND[:1])
+    robot.pose = place
+    robot.drive([(0.3, 0.3, 0.1)] * 60)
+    while robot.states[-1] is not SEARCHING:
+        robot.drive([(0.2, 0.5, 0.1)])
+    first = len(robot.states)
+    robot.drive([(0.0, 0.0, 70.0)])
+    wrong = zip(robot.states[first:], robot.errors[-len(robot.states[first:]) :], strict=True)
+    assert all(state is SEARCHING or error < 0.5 for state, error in wrong)
+
+
 def test_a_start_in_another_room_than_given_is_noticed() -> None:
     robot = drive(pose=Pose2D(8.5, 1.0, 0.5))
     robot.localizer.start_at(START)
