@@ -101,7 +101,11 @@ class OpenPage:
             self.page.wait_for_timeout(50)  # ms, in which Playwright takes what has happened
             return condition()
 
-        wait_until(holds, what)
+        try:
+            wait_until(holds, what)
+        except AssertionError as error:
+            error.add_note(f"the page says:\n{self.page.inner_text('body')}")
+            raise
 
 
 def children(word: str, of: int | None = None) -> list[int]:
