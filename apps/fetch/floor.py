@@ -6,7 +6,7 @@ The grid, its costs, the search and the outline of a robot are those of the indo
 from collections import deque
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from math import atan2, cos, dist, hypot, pi, sin, sqrt
+from math import atan2, cos, dist, hypot, inf, pi, sin, sqrt
 
 import numpy as np
 
@@ -23,6 +23,7 @@ from geometry import Point, Pose2D, Twist2D
 _MARGIN = 3.0  # m of floor about robot and goal, which the way may use
 _LARGEST = 60.0  # m, edge of the floor that is kept
 _ECHO_FOR = 1.0  # s for which an echo is avoided besides the grid
+_HEARD_FOR = 10.0  # s for which what was heard bounds the velocity; a phantom is heard once, and the robot would stand
 _SAME_ECHO = 0.35  # m between two echoes of one obstacle, while the robot turns
 _CONE = 0.35  # rad from the axis of a disc to the edge of its cone, and some more
 _CLOSE = 0.1  # m between an echo and the surface of an object
@@ -235,7 +236,7 @@ class FetchFloor:
             discs: Obstacles besides those that sonar has heard.
         """
         wanted = self._wanted(robot, way)
-        places = np.array(self._obstacles(now, robot, discs), np.float64).reshape(-1, 2)
+        places = np.array(self._obstacles(now, robot, discs, now - _HEARD_FOR), np.float64).reshape(-1, 2)
         x, y = self._hull.outside((places[:, 0], places[:, 1]))
         apart = self._hull.distance(x, y)
         for share, turn in _CHOICES if wanted.linear else _CHOICES[:1]:
@@ -273,12 +274,16 @@ class FetchFloor:
         speed = min(drive.speed_m_s, sqrt(2.0 * drive.braking_m_s2 * left) + 0.02)
         return Twist2D(speed * max(0.0, cos(off)), turn)
 
-    def _obstacles(self, now: float, robot: Pose2D, discs: Sequence[Disc]) -> list[tuple[float, float]]:
-        """Return obstacles near the robot in base_link, m."""
+    def _obstacles(
+        self, now: float, robot: Pose2D, discs: Sequence[Disc], since: float = -inf
+    ) -> list[tuple[float, float]]:
+        """Return obstacles near the robot in base_link, m, of those of sonar what was heard since then, s."""
         places = [echo.place for echo in self._recent(now)]
         if self._grid.area.evidence.size:
             near = self._grid.area.around((robot.x, robot.y), margin=_NEAR)
-            places += [near.place(int(row), int(column)) for row, column in np.argwhere(near.occupied)]
+            places += [
+                near.place(int(row), int(column)) for row, column in np.argwhere(near.occupied & (near.hit_at > since))
+            ]
         for disc in discs:
             places += [
                 (disc.x + disc.radius * cos(turn), disc.y + disc.radius * sin(turn))

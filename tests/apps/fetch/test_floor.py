@@ -2,6 +2,8 @@
 
 from math import inf
 
+import pytest
+
 from apps.fetch.floor import FetchFloor
 from geometry import Pose2D
 from tests.apps.fetch.toy import SETTINGS
@@ -31,3 +33,14 @@ def test_an_obstacle_is_forgotten_when_it_is_heard_no_more() -> None:
         floor.hear(time, Pose2D(), [AHEAD], [0.5])
     assert floor.echo_ahead(1.3, Pose2D()) < inf
     assert floor.echo_ahead(1.5, Pose2D()) == inf
+
+
+@pytest.mark.parametrize("is_real", [False, True])
+def test_a_robot_drives_on_where_a_phantom_was_heard_and_stands_before_what_is_heard_again(is_real: bool) -> None:
+    floor, way = FetchFloor(SETTINGS), ((0.0, 0.0), (2.0, 0.0))
+    for tick in range(200):
+        is_heard = is_real or tick < 3
+        floor.hear(tick / 10, Pose2D(), [AHEAD], [0.3 if is_heard else inf])
+    full = FetchFloor(SETTINGS).follow(20.0, Pose2D(), way, ())
+    assert (floor.follow(20.0, Pose2D(), way, ()) == full) is not is_real
+    assert floor.follow(1.0, Pose2D(), way, ()) != full
