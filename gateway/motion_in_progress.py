@@ -151,23 +151,25 @@ class MotionInProgress(ABC):
 
 
 class Move(MotionInProgress):
-    """Along the heading at the start."""
+    """Along the heading at which the robot is told; one that was turning has turned a little more while it braked."""
 
     tolerance = 0.03
     unit = "m"
 
     def __init__(self, motion_id: str, distance: float, command: float, odometry: OdometryTracker, now: float) -> None:
         super().__init__(motion_id, "move", distance, command, odometry, now)
-        self._start = odometry.pose
+        self._start, self._done_before = odometry.pose, 0.0
 
     def _first_frames(self) -> Iterator[bytes]:
         """Return the frames that end rotation and begin translation."""
+        self._start, self._done_before = self._odometry.pose, self.done
         yield encode_command(Command.RVEL, 0.0)
         yield encode_command(Command.MOVE, (self.goal - self.done) * self._scale)
 
     def _progress(self) -> float:
         pose, start = self._odometry.pose, self._start
-        return (pose.x - start.x) * cos(start.heading) + (pose.y - start.y) * sin(start.heading)
+        along = (pose.x - start.x) * cos(start.heading) + (pose.y - start.y) * sin(start.heading)
+        return self._done_before + along
 
 
 class Turn(MotionInProgress):

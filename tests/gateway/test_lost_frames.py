@@ -90,11 +90,13 @@ def test_a_robot_whose_stop_button_is_pressed_is_not_told_again(bench: Bench, ki
     assert bench.commands().count(BEGINNINGS[kind]) == 1
 
 
-@pytest.mark.parametrize("velocity", [(FAST, 0.0), (0.0, 0.6), (0.2, 0.4)])
+@pytest.mark.parametrize("velocity", [(FAST, 0.0), (0.0, 1.2), (0.3, 0.8)])
+@pytest.mark.parametrize("lag", [0.0, 0.2])
 @pytest.mark.parametrize("kind", BEGINNINGS)
 def test_a_robot_that_drives_is_stopped_before_a_motion_and_covers_it_from_where_it_was_told(
-    bench: Bench, kind: str, velocity: tuple[float, float]
+    bench: Bench, kind: str, lag: float, velocity: tuple[float, float]
 ) -> None:
+    bench.body.lag = lag
     bench.connect()
     drive(bench, *velocity, 2.0)
     told = bench.now
