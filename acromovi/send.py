@@ -6,6 +6,7 @@ import json
 import sys
 from collections.abc import Mapping, Sequence
 from contextlib import aclosing
+from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from acromovi.options import add_bus, argument, seconds
@@ -69,14 +70,14 @@ def _run(arguments: argparse.Namespace) -> int:
 
     All modules are loaded before the conversation begins: a pause of its heartbeat would stop a motion.
     """
-    import agents.platform.conversations.any_message
-    import agents.sniffer.captured  # noqa: F401  # for `_show`
     from acromovi.known_agents import KnownAgents
     from agents.platform.acl import Performative
     from agents.platform.names import AgentName
     from bus.session import ZenohBus
     from configs.suggestion import hint
 
+    for module in ("agents.platform.conversations.any_message", "agents.sniffer.captured"):
+        import_module(module)
     names = [str(each) for each in Performative]
     if arguments.performative not in names:
         wrong = f"there is no performative {arguments.performative!r}{hint(arguments.performative, names)}"

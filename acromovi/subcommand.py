@@ -1,7 +1,7 @@
 """Commands with subcommands, of which only the one that is asked for is imported."""
 
 import argparse
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from importlib import import_module
 from typing import Any
@@ -48,13 +48,6 @@ class LazyParser(CommandParser):
     def __init__(self, *, module: str = "", **given: Any) -> None:
         super().__init__(**given)
         self._module = module
-
-    def parse_known_args(  # type: ignore[override]  # argparse's overloads say no more than this
-        self, args: Sequence[str] | None = None, namespace: Any = None
-    ) -> tuple[Any, list[str]]:
-        """Parse as the base class does, with the arguments of the module."""
-        self.load()
-        return super().parse_known_args(args, namespace)
 
     def load(self) -> None:
         """Add the arguments of the module, unless that was done."""

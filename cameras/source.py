@@ -82,7 +82,7 @@ def _split(where: str) -> SplitResult:
         raise CameraNotUsable("the camera is empty text; give http://HOST:PORT/PATH, or a device as /dev/video0")
     try:
         parts = urlsplit(where)
-        parts.port  # noqa: B018  # it is read here to see that it can be
+        int(parts.port or 0)  # it is read here to see that it can be
         if parts.scheme:  # of what HTTP cannot carry
             (parts.hostname or "").encode("idna")
             f"{parts.path}?{parts.query}".encode("ascii")

@@ -22,6 +22,7 @@ class CommandParser(argparse.ArgumentParser):
         self, args: Sequence[str] | None = None, namespace: Any = None
     ) -> tuple[Any, list[str]]:
         """Parse as the base class does, which calls this again for options and positional arguments separately."""
+        self.load()
         if self._is_mixing or not any(each.nargs == argparse.ZERO_OR_MORE for each in self._get_positional_actions()):
             return super().parse_known_args(args, namespace)
         self._is_mixing = True
@@ -29,6 +30,9 @@ class CommandParser(argparse.ArgumentParser):
             return self.parse_known_intermixed_args(args, namespace)
         finally:
             self._is_mixing = False
+
+    def load(self) -> None:
+        """Add the arguments that are not added before a program needs them, in classes below this one."""
 
     def parse_args(  # type: ignore[override]  # the overloads of the base class say no more than this
         self, args: Sequence[str] | None = None, namespace: Any = None

@@ -8,6 +8,7 @@ import time
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
+from importlib import import_module
 from math import inf
 from typing import TYPE_CHECKING, Any, TextIO
 
@@ -106,8 +107,9 @@ class SharedBus:
             if self._bus is None:
                 with uncollected():
                     # Here and not at the top: loading them takes longer than the whole handshake.
-                    import gateway.robot_on_bus  # noqa: F401  # used once there is a robot, and then without delay
                     from bus import ZenohBus
+
+                    import_module("gateway.robot_on_bus")  # used once there is a robot, and then without delay
 
                 self._bus = ZenohBus.open(self._profile)
             return self._bus

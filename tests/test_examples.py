@@ -6,11 +6,7 @@ import shutil
 import sys
 from pathlib import Path
 
-import pytest
-
 from tests.waiting import run
-
-pytest.importorskip("p2os_emu.world", reason="the physics engine is an extra")
 
 ROOT = Path(__file__).parents[1]
 EXAMPLE = ROOT / "examples" / "foreign-driver"

@@ -6,10 +6,8 @@ import pytest
 
 from acromovi.missions.jobs import Case, Condition, Job
 from acromovi.missions.matrix import Result
-from geometry import Pose2D
-
-pytest.importorskip("matplotlib", reason="pictures are drawn by an extra")
 from benchmarks.mission_pages import draw_grid, draw_sheet
+from geometry import Pose2D
 
 LEGEND = ("walls", "furniture", "obstacles", "ways of people", "start", "goal")
 

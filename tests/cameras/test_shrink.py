@@ -2,12 +2,11 @@
 
 import sys
 
+import cv2
 import numpy as np
 import pytest
 
 from cameras import CameraNotUsable, picture_size, shrunk
-
-cv2 = pytest.importorskip("cv2", reason="pictures are made by an extra")
 
 
 def picture(width: int, height: int) -> bytes:

@@ -193,6 +193,5 @@ def test_device_without_opencv_is_refused_with_what_to_install(monkeypatch: pyte
 
 
 def test_device_that_is_not_there_is_lost() -> None:
-    pytest.importorskip("cv2", reason="devices are opened by OpenCV, which is an extra")
     with pytest.raises(CameraLost, match="cannot be opened"):
         open_source("/dev/video-of-nobody")

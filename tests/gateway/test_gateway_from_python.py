@@ -20,7 +20,6 @@ def is_on_bus(bus: ZenohBus, robot: str) -> bool:
 
 
 def test_gateway_serves_the_robot_until_the_block_ends(emulated_robot: RobotForTests, robot: str) -> None:
-    pytest.importorskip("p2os_emu.world", reason="the physics engine is an extra")
     with ZenohBus.open() as bus:
         with gateway.start(emulated_robot.port, name=robot) as running:
             assert (running.robot, running.model) == (robot, "p3dx")

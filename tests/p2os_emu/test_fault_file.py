@@ -60,7 +60,6 @@ def test_file_that_cannot_be_read_is_named(board: FaultBoard, tmp_path: Path) ->
 
 
 def test_emulator_takes_the_faults_of_files_and_refuses_wrong_ones_with_their_line(tmp_path: Path) -> None:
-    pytest.importorskip("p2os_emu.world", reason="the physics engine is an extra")
     first, second, wrong = (tmp_path / name for name in ("first", "second", "wrong"))
     first.write_text("line-cut@10+5\n")
     second.write_text("stop-pressed@30\n")

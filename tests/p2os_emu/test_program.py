@@ -19,8 +19,6 @@ import pytest
 from p2os_emu.__main__ import main
 from tests.waiting import Deadline, end_of, exit_code, patience, run, wait_until
 
-pytest.importorskip("p2os_emu.world", reason="the physics engine is an extra")
-
 SYNCS = [bytes.fromhex(frame) for frame in ("FA FB 03 00 00 00", "FA FB 03 01 00 01", "FA FB 03 02 00 02")]
 OPEN = bytes.fromhex("FA FB 03 01 00 01")
 PULSE = SYNCS[0]

@@ -11,8 +11,6 @@ from p2os_emu.program import ChildFailed
 from p2os_emu.robot_for_tests import RobotForTests, start
 from tests.waiting import run, wait_until
 
-pytest.importorskip("p2os_emu.world", reason="the physics engine is an extra")
-
 LIMIT = 60.0  # s; generous, a pytest of one test takes about one
 OWN_FILES = {"PYTHONPATH": str(Path(__file__).parents[2])}
 

@@ -14,13 +14,11 @@ from p2os_emu.__main__ import main
 from p2os_emu.checking import replay
 from p2os_emu.options import EXIT_CONFIG, EXIT_OK, EXIT_PARTS, EmulatorOptions
 from p2os_emu.recording import RecordedBytes, Recording, read
+from p2os_emu.world import World, load_world
 from tests.p2os_emu.test_program import CLOSE, OPEN, Client, program
 from tests.waiting import Deadline
 
 HELD_UP = 0.03  # s, three steps of the emulator beyond what its ±5 ms of cadence are
-
-pytest.importorskip("p2os_emu.world", reason="the physics engine is an extra")
-from p2os_emu.world import World, load_world  # noqa: E402  # the engine is an extra
 
 
 @pytest.fixture(scope="module")

@@ -9,7 +9,6 @@ from acromovi.missions.matrix import Result
 from acromovi.missions.picture import draw_mission
 from geometry import Pose2D
 
-pytest.importorskip("matplotlib", reason="pictures are drawn by an extra")
 LEGEND = ("walls", "furniture", "obstacles", "ways of people", "start", "goal")
 
 

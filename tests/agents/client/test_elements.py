@@ -7,6 +7,7 @@ from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
+import cv2
 import numpy as np
 import pytest
 
@@ -103,7 +104,6 @@ def test_components_understand_what_the_face_asks_for(world: World, element: str
 
 
 def test_a_picture_is_a_file_or_pixels(world: World, team: Team, tmp_path: Path) -> None:
-    cv2 = pytest.importorskip("cv2", reason="pictures are taken apart by an extra")
     blue = np.zeros((4, 6, 3), np.uint8)
     blue[:, :, 0] = 255
     _, png = cv2.imencode(".png", blue)
@@ -222,7 +222,6 @@ def test_keys_are_numbers_at_any_depth(world: World, team: Team) -> None:
 
 
 def test_what_is_no_picture_is_told() -> None:
-    pytest.importorskip("cv2", reason="pictures are taken apart by an extra")
     with pytest.raises(RobotError, match="what the camera gave is no jpeg that can be read"):
         Picture(format="jpeg", width=None, height=None, data=b"nothing").pixels()
 

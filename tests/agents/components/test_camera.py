@@ -8,6 +8,7 @@ import threading
 from collections.abc import Awaitable, Callable, Iterator
 from contextlib import suppress
 
+import cv2
 import numpy as np
 import pytest
 
@@ -164,7 +165,6 @@ def test_picture_that_is_no_jpeg_has_no_size() -> None:
 
 
 def test_picture_that_is_too_large_comes_smaller() -> None:
-    cv2 = pytest.importorskip("cv2", reason="pictures are made by an extra")
     noise = np.random.default_rng(1).integers(0, 256, (720, 1280, 3), np.uint8)
     jpeg = bytes(cv2.imencode(".jpg", noise)[1])
     assert len(jpeg) > MOST

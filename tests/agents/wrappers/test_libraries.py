@@ -4,6 +4,7 @@ import asyncio
 import base64
 from pathlib import Path
 
+import cv2
 import numpy
 import pytest
 
@@ -108,7 +109,6 @@ def test_a_function_that_crashes_harms_neither_agent_nor_container(file: Path) -
 
 
 def test_pictures_of_the_camera_go_through_a_function(file: Path) -> None:
-    cv2 = pytest.importorskip("cv2", reason="pictures are made by an extra")
     grey = numpy.zeros((24, 32), numpy.uint8)
     grey[:, 16:] = 255
     coded = numpy.frombuffer(cv2.imencode(".png", grey)[1].tobytes(), numpy.uint8)
@@ -126,6 +126,7 @@ def test_pictures_of_the_camera_go_through_a_function(file: Path) -> None:
             await at.until(lambda: seen and at.results)
             assert at.results == [{"value": 24 * 16, "stamp": 1.5, "width": 32, "height": 24}]
             back = cv2.imdecode(numpy.frombuffer(bytes(seen[0].data), numpy.uint8), cv2.IMREAD_GRAYSCALE)
+            assert back is not None
             assert back.shape == (24, 32)
             assert back[:, :14].max() < 60 < 200 < back[:, 18:].min()
 
