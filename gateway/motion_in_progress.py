@@ -9,11 +9,10 @@ from abc import ABC, abstractmethod
 from collections.abc import Iterator
 from math import cos, degrees, inf, radians, sin
 
+from gateway.connector import STOP
 from gateway.events import MotionEnd
 from gateway.odometry import OdometryTracker
 from p2os import Command, StandardSip, encode_command
-
-STOP = encode_command(Command.STOP)
 
 AT_REST = 0.01
 """m/s below which a wheel stands."""

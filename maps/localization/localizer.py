@@ -355,7 +355,7 @@ class Localizer:
             self._memory = present
             self._begin_at_found(found)
             self.state = LocalizationState.LOCALIZED
-            self._poor_travel = self._unexplained = 0.0
+            self._unexplained = 0.0
 
     def _begin_at_found(self, found: FoundPose) -> None:
         assert self._raw is not None
