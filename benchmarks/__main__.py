@@ -90,6 +90,9 @@ def main(argv: Sequence[str] | None = None) -> int:
     parser.add_argument(
         "--goals", type=int, default=10, help="goals of each condition of map_navigation (default: 10; all: 200)"
     )
+    parser.add_argument(
+        "--resume", action="store_true", help="go on with the run of map_navigation that was interrupted, of this --out"
+    )
     add_options(parser)
     parser.add_argument("--map", metavar="FILE", action="append", help="build the map of this world too; repeatable")
     parser.add_argument("--peer", metavar="HOST:PORT", help="compare the emulator with a simulator on this TCP port")

@@ -1,4 +1,8 @@
-"""Missions on a map in lockstep, judged by the truth; writes map-navigation.json and map-navigation.png."""
+"""Missions on a map in lockstep, judged by the truth; writes map-navigation.json and map-navigation.png.
+
+The whole benchmark takes an hour or more. Each floor is kept in map-navigation.jsonl as it ends, so a run that was
+interrupted goes on with `--resume`.
+"""
 
 import argparse
 import json
@@ -10,6 +14,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+from acromovi.missions.results_file import ResultsFile
 from acromovi.process_pool import process_pool
 from benchmarks.figures import Figure, percentile
 from benchmarks.map_course import FloorJob, GoalScore, MapCondition, play_floor
@@ -27,12 +32,19 @@ PICTURE_COLUMNS = 4
 def measure(options: argparse.Namespace) -> list[Figure]:
     """Play all goals, several floors at the same time."""
     options.out.mkdir(parents=True, exist_ok=True)
-    scores: list[GoalScore] = []
-    with process_pool() as pool:
-        first = FIRST_SEED if options.first_seed is None else options.first_seed
-        for future in as_completed([pool.submit(play_floor, job) for job in jobs(options.goals, first)]):
-            scores += future.result()
-            _print(scores[-1].job, scores)
+    floors = jobs(options.goals, FIRST_SEED if options.first_seed is None else options.first_seed)
+    with (
+        ResultsFile(options.out / "map-navigation.jsonl", GoalScore, resume=options.resume) as kept,
+        process_pool() as pool,
+    ):
+        scores = of_whole_floors(kept.earlier, floors)
+        played = {score.job for score in scores}
+        waiting = [pool.submit(play_floor, job) for job in floors if job not in played]
+        for number, future in enumerate(as_completed(waiting), len(floors) - len(waiting) + 1):
+            ended = future.result()
+            kept.add(ended)
+            scores += ended
+            _print(f"{number} of {len(floors)}", ended)
     scores.sort(key=lambda score: (str(score.job.condition), score.job.seed, score.number))
     table = [as_row(score) for score in scores]
     (options.out / "map-navigation.json").write_text(json.dumps(table, indent=1) + "\n", encoding="utf-8")
@@ -43,9 +55,9 @@ def measure(options: argparse.Namespace) -> list[Figure]:
 def jobs(goals: int, first_seed: int = FIRST_SEED) -> list[FloorJob]:
     """Return the floors with so many goals of each condition: generated plans, and the office each third time."""
     found = []
-    for condition in SHARES:
-        for number, first in enumerate(range(0, goals, GOALS)):
-            seed = first_seed + number
+    for number, first in enumerate(range(0, goals, GOALS)):
+        seed = first_seed + number
+        for condition in SHARES:
             # The office has no doors that close.
             is_office = number % 3 == 1 and condition is not MapCondition.CHANGED
             world = "office" if is_office else f"plan:{seed}"
@@ -107,7 +119,16 @@ def as_row(score: GoalScore) -> dict[str, Any]:
     return {**about, **row}
 
 
-def _print(job: FloorJob, scores: Sequence[GoalScore]) -> None:
-    here = [score for score in scores if score.job == job]
-    reached, touched = sum(s.is_reached for s in here), sum(bool(s.touched) for s in here)
-    print(f"   {job.condition} {job.world} {job.seed}: {reached} of {len(here)}, {touched} with a contact", flush=True)
+def of_whole_floors(scores: Sequence[GoalScore], floors: Sequence[FloorJob]) -> list[GoalScore]:
+    """Return the goals on these floors that an earlier run has played; none of a floor that was not written whole."""
+    found = []
+    for floor in floors:
+        here = [score for score in scores if score.job == floor][-floor.goals :]
+        found += here if [score.number for score in here] == list(range(floor.goals)) else []
+    return found
+
+
+def _print(number: str, ended: Sequence[GoalScore]) -> None:
+    job, reached, touched = ended[0].job, sum(s.is_reached for s in ended), sum(bool(s.touched) for s in ended)
+    what = f"{job.condition} {job.world} {job.seed}: {reached} of {len(ended)}, {touched} with a contact"
+    print(f"   {number} floors, {what}", flush=True)

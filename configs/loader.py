@@ -226,6 +226,8 @@ def _convert_plain(kind: type, value: Any) -> Any:
 
 
 def _convert_union(kind: Any, value: Any, source: str, path: str) -> Any:
+    if value is None and types.NoneType in get_args(kind):  # JSON has such a value, TOML has not
+        return None
     tables = [option for option in get_args(kind) if is_dataclass(option)]
     if isinstance(value, dict) and len(tables) == 1:
         return _convert(tables[0], value, source, path)

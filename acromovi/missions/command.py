@@ -4,18 +4,20 @@ import argparse
 import json
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
 import configs
-from acromovi.missions.fresh import fresh_missions, fresh_page, fresh_seed
+from acromovi.missions.fresh import FreshMission, FreshScore, fresh_missions, fresh_seed
+from acromovi.missions.fresh_page import fresh_page
 from acromovi.missions.jobs import ROBOTS, SEEDS, Case, Condition, Job
 from acromovi.missions.matrix import Instead, M, Result, play, play_all
 from acromovi.missions.mission_file import FileMission, read_missions
 from acromovi.missions.page import page
 from acromovi.missions.picture import draw_mission
 from acromovi.missions.report import as_json, in_words, summary, summary_in_words
+from acromovi.missions.results_file import ResultsFile
 from acromovi.options import count
 from acromovi.subcommand import Subcommand
 from configs import ConfigError
@@ -85,6 +87,11 @@ def _add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--floors", type=count, default=1, help="with --fresh: set the floors for each family and robot [1]"
     )
+    parser.add_argument(
+        "--resume",
+        action="store_true",
+        help="with --fresh SEED: go on with a run that was interrupted, of the same --out",
+    )
     parser.add_argument("--seeds", type=int, default=SEEDS, help=f"with --all: set the number of seeds [{SEEDS}]")
     parser.add_argument(
         "--out", type=Path, default=Path("bench"), help="with --all and --fresh: set the folder for the table [bench]"
@@ -101,6 +108,8 @@ def _run(options: argparse.Namespace) -> int:
         return _refuse("--line, --pictures, --json and --quiet are for missions of a --file")
     if options.fresh is not None:
         return _run_fresh(options)
+    if options.resume:
+        return _refuse("--resume is for a run with --fresh SEED")
     if options.picture or options.all:
         require("a picture of missions", "plots")
     return _run_matrix(options) if options.smoke or options.all else _run_one(options)
@@ -135,18 +144,32 @@ def _run_one(options: argparse.Namespace) -> int:
 def _run_fresh(options: argparse.Namespace) -> int:
     """Play missions on floors that nobody has seen, and write the table and a picture of every failure."""
     require("pictures of missions", "plots")
+    if options.resume and options.fresh < 0:
+        return _refuse("--resume needs the seed of the run that was interrupted, as in --fresh 7 --floors 2 --resume")
     seed = fresh_seed() if options.fresh < 0 else options.fresh
     print(f"the same missions again: acromovi missions --fresh {seed} --floors {options.floors}", flush=True)
-    results = play_many(fresh_missions(seed, options.floors), processes=options.workers)
-    options.out.mkdir(parents=True, exist_ok=True)
-    pictures = []
-    for number, result in enumerate(results):
-        if not result.is_good and result.task is not None:
-            pictures.append(f"fresh-{number:03}.png")
-            draw_mission(options.out / pictures[-1], result)
-    (options.out / "fresh.md").write_text(fresh_page(results, seed, pictures), encoding="utf-8")
+    missions = fresh_missions(seed, options.floors)
+    pictures = {mission: f"fresh-{number:03}.png" for number, mission in enumerate(missions)}
+    try:
+        kept = ResultsFile(options.out / "fresh.jsonl", FreshScore, resume=options.resume)
+    except ConfigError as err:
+        return _refuse(str(err))
+    with kept:
+        scores = {score.job: score for score in kept.earlier}
+
+        def keep(result: Result[FreshMission]) -> None:
+            scores[result.job] = FreshScore.of(result)
+            kept.add([scores[result.job]])
+            if result.verdict is not None and not result.is_good:
+                draw_mission(options.out / pictures[result.job], result)
+
+        play_many([each for each in missions if each not in scores], processes=options.workers, on_result=keep)
+    played = [scores[mission] for mission in missions]
+    failed = [score for score in played if score.has_room and not score.is_good]
+    shown = [pictures[score.job] for score in failed if score.verdict is not None]
+    (options.out / "fresh.md").write_text(fresh_page(played, seed, shown), encoding="utf-8")
     print(f"see {options.out}/fresh.md")
-    return 0 if all(result.is_good for result in results if result.has_room) else 1
+    return 1 if failed else 0
 
 
 def _run_file(options: argparse.Namespace) -> int:
@@ -193,8 +216,13 @@ def _refuse(why: str) -> int:
     return 2
 
 
-def play_many(jobs: Sequence[M], instead: Instead | None = None, processes: int | None = None) -> list[Result[M]]:
-    """Run missions on all cores, and print the progress."""
+def play_many(
+    jobs: Sequence[M],
+    instead: Instead | None = None,
+    processes: int | None = None,
+    on_result: Callable[[Result[M]], None] = lambda result: None,
+) -> list[Result[M]]:
+    """Run missions on all cores, and print the progress; `on_result` is told of each as it ends."""
     began, good = time.monotonic(), []
 
     def told(result: Result[M]) -> None:
@@ -202,6 +230,7 @@ def play_many(jobs: Sequence[M], instead: Instead | None = None, processes: int 
         mark = ("ok  " if result.is_good else "FAIL") if result.has_room else "none"
         so_far = f"{len(good)}/{len(jobs)} {time.monotonic() - began:.0f} s, {good.count(False)} failed"
         print(f"{mark} {result.job.name:<48} {so_far}", flush=True)
+        on_result(result)
 
     return play_all(jobs, told, processes, instead)
 

@@ -204,6 +204,12 @@ def test_an_error_in_a_table_is_one_sentence(cart: dict[str, Any], changes: dict
     assert str(caught.value) == message
 
 
+def test_null_of_json_is_nothing_and_no_value_of_anything_else(cart: dict[str, Any]) -> None:
+    assert configs.build(Cart, cart | {"spare": None}, "cart.json").spare is None
+    with pytest.raises(ConfigError, match="speed_m_s must be a number, not None"):
+        configs.build(Cart, cart | {"speed_m_s": None}, "cart.json")
+
+
 def test_a_missing_key_is_named() -> None:
     with pytest.raises(ConfigError) as caught:
         configs.build(Cart, {"name": "x"}, "cart.toml")
