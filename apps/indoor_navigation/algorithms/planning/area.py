@@ -17,7 +17,7 @@ OCCUPIED = 2  # evidence from which on a cell has an obstacle
 PASSED = -1  # evidence after one ray has passed; a cell is free at or below
 BESIDE_WALL = 2  # cells beside a wall in which it is seen where odometry is a little off
 STANDS_OUT = 7  # cells beside what came and is not beside a wall, within which all that came belongs to it
-BESIDE_BODY = 2  # cells beside what may be a person in which a part of that person may have been hit
+BESIDE_BODY = 2  # cells beside what may be a person in which a part of that person may have been hit or heard
 NEVER, PASSABLE = np.nan, np.inf  # first_hit of a cell that was not hit yet, and of one that was free for certain
 
 
@@ -66,8 +66,15 @@ class Area(NamedTuple):
 
     @property
     def walls(self) -> Bools:
-        """Cells with an obstacle that is not expected to go away; what the laser sees through is glass, no person."""
-        return (self.occupied & self.fixed) | (self.echo >= OCCUPIED) | self.forbidden
+        """Cells with an obstacle that is not expected to go away.
+
+        What the laser sees through is glass and no person, unless a person may be there: sonar hears more of one than
+        the legs, and before they are known to be those of a person.
+        """
+        panes = self.echo >= OCCUPIED
+        if self.body.any():
+            panes &= ~_widened(self.body, BESIDE_BODY)
+        return (self.occupied & self.fixed) | panes | self.forbidden
 
     @property
     def staying(self) -> Bools:

@@ -274,6 +274,19 @@ def test_an_echo_of_a_body_is_no_pane() -> None:
     assert not occupied(grid, 0.75, 0.05)
 
 
+def test_an_echo_beside_somebody_who_was_not_known_yet_is_expected_to_go_with_them() -> None:
+    grid = Grid(PARAMETERS)
+    grid.see(heard(0.85))
+    cell = grid.area.cell(0.85, 0.05)
+    assert grid.area.staying[cell], "it is glass as far as is known"
+    grid.see(with_body(heard(0.85), 1.15, 0.05, moved=False))
+    assert occupied(grid, 0.85, 0.05)
+    assert not is_wall(grid, 0.85, 0.05)
+    assert not grid.area.staying[grid.area.cell(0.85, 0.05)]
+    grid.see(heard(0.85))
+    assert is_wall(grid, 0.85, 0.05), "nobody is there any more"
+
+
 def test_where_no_laser_looks_sonar_shows_what_is_there_and_what_has_gone() -> None:
     grid = Grid(PARAMETERS)
     ends, origins = np.array([-0.85, -3.0]), np.zeros(2)
