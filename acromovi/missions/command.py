@@ -147,7 +147,8 @@ def _run_fresh(options: argparse.Namespace) -> int:
     if options.resume and options.fresh < 0:
         return _refuse("--resume needs the seed of the run that was interrupted, as in --fresh 7 --floors 2 --resume")
     seed = fresh_seed() if options.fresh < 0 else options.fresh
-    print(f"the same missions again: acromovi missions --fresh {seed} --floors {options.floors}", flush=True)
+    print(f"the same missions again: acromovi missions --fresh {seed} --floors {options.floors}")
+    print("after an interruption, the same command with --resume goes on", flush=True)
     missions = fresh_missions(seed, options.floors)
     pictures = {mission: f"fresh-{number:03}.png" for number, mission in enumerate(missions)}
     try:
