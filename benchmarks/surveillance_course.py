@@ -8,7 +8,7 @@ an error of the size that the localization has. Laser scans are those of the emu
 
 import asyncio
 from collections.abc import Callable, Mapping, Sequence
-from math import cos, dist, hypot, nan, pi, sin
+from math import cos, dist, nan, pi, sin
 from pathlib import Path
 from random import Random
 from typing import Any
@@ -41,7 +41,7 @@ from geometry import Point, Pose2D, wrap_angle
 from p2os_emu.body import ScanBeams
 from p2os_emu.world import WorldSpec
 from p2os_emu.world.objects import MovingObject
-from p2os_emu.world.people import BODY_RADIUS, HIP, LEG_RADIUS
+from p2os_emu.world.people import BODY_RADIUS, LEG_RADIUS
 from p2os_emu.world.planar import PlanarScene
 
 MANAGER = f"{NAME}@team"
@@ -49,6 +49,7 @@ SHARED = 0.2  # s between two poses
 BEAMS, REACH, NOISE = 181, 10.0, 0.01  # of the laser: count, m, m
 WIDTH, FRONT, RADIUS = 0.4, 0.25, 0.22  # m of a played robot
 SIGHT, IN_A_ROW = 8.0, 5  # m and scans in a row in which an intruder is visible, if at least three beams end at it
+_LEG_EDGE = 0.02  # m from a leg, within which a beam ends at it
 _KEPT_AWAY = 2.5  # m from any robot, at which an intruder appears
 OFF, TURNED = 0.015, 0.004  # m and rad: standard deviation of the error of the localization
 _MEMORY = 0.9  # of that error, from one pose to the next
@@ -332,16 +333,22 @@ class SurveillanceCourse:
         )
 
     def _note_visible(self, robot: PlayedRobot, ranges: Any) -> None:
-        """Note since when a robot has an intruder in view: three beams end at it within 8 m, in five scans in a row."""
+        """Note since when a robot has an intruder in view: three beams end at it within 8 m, in five scans in a row.
+
+        Beams that end at a wall beside it are no view of it, nor is one from where the robot would stand in it.
+        """
         seen = np.where(np.isfinite(ranges), ranges, REACH)
         bearings = np.linspace(-pi / 2, pi / 2, BEAMS)
+        laser = robot.pose.compose(LASER)
         for number, intruder in enumerate(self.intruders):
             place = intruder.place(self.time)
             if place is None or number in self.visible:
                 continue
-            x, y = robot.pose.compose(LASER).locate(*place)
-            ends = np.hypot(seen * np.cos(bearings) - x, seen * np.sin(bearings) - y)
-            if hypot(x, y) >= SIGHT or np.count_nonzero(ends < BODY_RADIUS) < 3:
+            away = dist((robot.pose.x, robot.pose.y), place)
+            ends = np.zeros(BEAMS, np.bool_)
+            for x, y in (laser.locate(*leg) for leg in intruder.legs(self.time)):
+                ends |= np.hypot(seen * np.cos(bearings) - x, seen * np.sin(bearings) - y) < LEG_RADIUS + _LEG_EDGE
+            if not RADIUS + BODY_RADIUS < away < SIGHT or np.count_nonzero(ends) < 3:
                 self._sights.pop((number, robot.name), None)
                 continue
             since, scans = self._sights.get((number, robot.name), (self.time, 0))
@@ -381,14 +388,7 @@ class SurveillanceCourse:
     def _objects(self) -> list[MovingObject]:
         found = [_disc(each.name, (each.pose.x, each.pose.y), RADIUS) for each in self.robots.values()]
         for number, intruder in enumerate(self.intruders):
-            pose = intruder.pose(self.time)
-            if pose is not None:
-                found += [
-                    _disc(
-                        f"intruder {number}", pose.transform(side * intruder.stride(self.time), side * HIP), LEG_RADIUS
-                    )
-                    for side in (1.0, -1.0)
-                ]
+            found += [_disc(f"intruder {number}", leg, LEG_RADIUS) for leg in intruder.legs(self.time)]
         return found
 
 

@@ -13,7 +13,7 @@ from agents.platform import Agent, AgentName, request
 from apps.surveillance.algorithms.floor import PatrolFloor
 from bus import Refused
 from geometry import Point, Pose2D, wrap_angle
-from p2os_emu.world.people import STEP_LENGTH
+from p2os_emu.world.people import HIP, STEP_LENGTH
 
 PICTURE = b"a picture"
 SPEED, TURN = 0.4, 0.8  # m/s and rad/s of the played robots
@@ -53,10 +53,14 @@ class PlayedIntruder:
         pose = self.pose(now)
         return None if pose is None else (pose.x, pose.y)
 
-    def stride(self, now: float) -> float:
-        """Return how far the left leg is ahead, m."""
+    def legs(self, now: float) -> Sequence[Point]:
+        """Return where the legs are; none before the beginning and after the end."""
+        pose = self.pose(now)
+        if pose is None:
+            return ()
         walked = min((now - self.begins) * self.speed, sum(dist(a, b) for a, b in pairwise(self.way)))
-        return 0.5 * STEP_LENGTH * sin(pi * walked / STEP_LENGTH)
+        stride = 0.5 * STEP_LENGTH * sin(pi * walked / STEP_LENGTH)
+        return [pose.transform(side * stride, side * HIP) for side in (1.0, -1.0)]
 
 
 @dataclass(slots=True)

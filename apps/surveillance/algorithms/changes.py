@@ -21,6 +21,7 @@ _SAMPLE, _BEFORE_END = 0.08, 0.2  # m along a beam, and before its end, where th
 _OFTEN = 4  # times that floor is seen free until it is known to be
 _GONE = 30  # times without an echo between, until furniture is known to be gone
 _THIN = 0.015  # m that a beam adds to the width of what it meets, at most
+_FEW = 2  # echoes of a thing at least, as of a leg; a single one may be a corner that a beam touches
 _SLOW_TURN = 0.2  # rad/s; a scan of a robot that turns faster does not tell exactly where the floor is free
 _ABOUT = 2  # cells about furniture in which echoes are those of the furniture
 _MARGIN = 1  # cells about a cell that were free as well, if it was
@@ -28,10 +29,14 @@ _MARGIN = 1  # cells about a cell that were free as well, if it was
 
 @dataclass(frozen=True, slots=True)
 class UnexplainedThing:
-    """Echoes that belong together and that nothing explains, by their middle, m in `map`."""
+    """Echoes that belong together and that nothing explains, by their middle, m in `map`.
+
+    is_solid: there is as much of it as of a person; a leg beside a door is less, as those of a chair are.
+    """
 
     x: float
     y: float
+    is_solid: bool = True
 
 
 @dataclass(frozen=True, slots=True)
@@ -175,10 +180,10 @@ class MapComparison:
         things = []
         for echoes in _groups(points[odd], scan.gap_m):
             extent = float(np.hypot(*np.ptp(echoes, axis=0)))
-            is_solid = len(echoes) >= scan.echoes and _solid(echoes - start, abs(increment)) >= scan.solid_m
-            if is_solid and extent <= scan.width_m:
+            if len(echoes) >= _FEW and extent <= scan.width_m:
+                is_solid = len(echoes) >= scan.echoes and _solid(echoes - start, abs(increment)) >= scan.solid_m
                 x, y = echoes.mean(axis=0).tolist()
-                things.append(UnexplainedThing(x, y))
+                things.append(UnexplainedThing(x, y, is_solid))
         return things
 
     def in_sonar(

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
-from math import hypot
+from math import dist
 
 from apps.surveillance.algorithms.changes import UnexplainedThing
 from apps.surveillance.settings import AlarmSettings
@@ -24,8 +24,8 @@ class AlarmSensor(StrEnum):
 class WatchedThing:
     """Something that is not explained, over several readings.
 
-    place: m in `map`. since, seen_at: s of the first and the last sighting. sightings: how many. start: where it was
-    seen first. is_told: it has raised an alarm. sensor: that sees it.
+    place: m in `map`. since, seen_at: s of the first and the last sighting. sightings: how many. solid: in how many of
+    them it was solid. start: where it was seen first. is_told: it has raised an alarm. sensor: that sees it.
     """
 
     place: Point
@@ -33,13 +33,14 @@ class WatchedThing:
     seen_at: float
     sensor: AlarmSensor
     sightings: int = 1
+    solid: int = 0
     start: Point = field(default=(0.0, 0.0))
     is_told: bool = False
 
     @property
     def moved(self) -> float:
         """How far it is from where it was seen first, m."""
-        return hypot(self.place[0] - self.start[0], self.place[1] - self.start[1])
+        return dist(self.place, self.start)
 
 
 class IntruderWatch:
@@ -70,8 +71,12 @@ class IntruderWatch:
         settings = self._settings
         self._things = [each for each in self._things if now - each.seen_at <= settings.forget_s]
         seen: list[WatchedThing] = []
-        for thing in things:
-            seen.append(self._matched(now, sensor, (thing.x, thing.y), seen))
+        for thing in sorted(things, key=lambda each: not each.is_solid):
+            place = thing.x, thing.y
+            if not thing.is_solid and any(dist(each.place, place) <= settings.jump_m for each in seen):
+                continue  # the other leg
+            seen.append(watched := self._matched(now, sensor, place, seen))
+            watched.solid += thing.is_solid
         alarms = [each for each in seen if not each.is_told and self._is_confirmed(each)]
         for each in alarms:
             each.is_told = True
@@ -90,14 +95,17 @@ class IntruderWatch:
         return settled
 
     def _is_confirmed(self, thing: WatchedThing) -> bool:
+        """Whether it was seen for long enough, each time solid; of what walks a leg is enough, but for one time."""
+        is_walking = thing.solid > 0 and thing.moved > self._settings.still_m
+        sightings = thing.sightings if is_walking else thing.solid
         lasts = thing.seen_at - thing.since
-        return thing.sightings >= self._needed[thing.sensor] and lasts >= self._settings.confirm_s
+        return sightings >= self._needed[thing.sensor] and lasts >= self._settings.confirm_s
 
     def _matched(self, now: float, sensor: AlarmSensor, place: Point, taken: Sequence[WatchedThing]) -> WatchedThing:
         """Return the thing that is seen at a place, a new one if there is none near."""
         best, least = None, self._settings.jump_m
         for each in self._things:
-            away = hypot(each.place[0] - place[0], each.place[1] - place[1])
+            away = dist(each.place, place)
             if each.sensor is sensor and each not in taken and away <= least:
                 best, least = each, away
         if best is None:
@@ -138,7 +146,7 @@ class TeamAlarms:
     def take(self, now: float, robot: str, sensor: str, place: Point) -> tuple[TeamAlarm, bool]:
         """Take the alarm or a later sighting of a robot; returns the intruder, and whether it is a new one."""
         for each in reversed(self.alarms):
-            is_near = hypot(each.place[0] - place[0], each.place[1] - place[1]) <= self._settings.same_m
+            is_near = dist(each.place, place) <= self._settings.same_m
             if is_near and now - each.seen_at <= self._settings.same_s:
                 each.place, each.seen_at = place, now
                 return each, False

@@ -81,7 +81,13 @@ def test_a_robot_that_has_been_silent_may_be_farther_from_its_last_place() -> No
 
 def test_the_legs_of_a_chair_are_no_person() -> None:
     for away in (1.8, 2.0, 2.2, 2.6, 3.0, 3.4):
-        assert found(chair(away, 1.3)) == []
+        assert not any(thing.is_solid for thing in found(chair(away, 1.3)))
+
+
+def test_a_leg_is_something_but_is_not_solid_as_a_person_is() -> None:
+    (leg,) = found(person(2.2, 1.6)[:1])
+    (whole,) = found(person(2.2, 1.6))
+    assert (leg.is_solid, whole.is_solid) == (False, True)
 
 
 def test_nothing_is_told_where_the_pose_is_in_doubt() -> None:
@@ -137,6 +143,34 @@ def test_an_intruder_raises_one_alarm_once_it_was_seen_for_long_enough() -> None
     assert [len(each) for each in told] == [0, 0, 0, 1, 0, 0, 0, 0, 0]
     assert watch.take(9.0, AlarmSensor.LASER, []) == []
     assert watch.intruders == []
+
+
+def alarms_of(*sightings: UnexplainedThing) -> int:
+    """How many alarms sightings raise, in one scan after the other."""
+    watch = IntruderWatch(SETTINGS.alarm)
+    return sum(len(watch.take(0.2 * number, AlarmSensor.LASER, [each])) for number, each in enumerate(sightings))
+
+
+def test_of_somebody_who_walks_a_leg_is_enough_but_for_once() -> None:
+    walking = [UnexplainedThing(1.0 + 0.15 * number, 2.0, is_solid=False) for number in range(12)]
+    assert alarms_of(*walking) == 0
+    assert alarms_of(*walking[:3], UnexplainedThing(1.45, 2.0), *walking[4:]) == 1
+
+
+def test_two_legs_that_are_seen_apart_for_a_moment_are_one_person() -> None:
+    watch = IntruderWatch(SETTINGS.alarm)
+    alarms = 0
+    for number in range(6):
+        x = 1.0 + 0.15 * number
+        legs = [UnexplainedThing(x - 0.2, 2.0, is_solid=False), UnexplainedThing(x + 0.2, 2.0, is_solid=False)]
+        things = legs if number == 2 else [UnexplainedThing(x, 2.0)]
+        alarms += len(watch.take(0.2 * number, AlarmSensor.LASER, things))
+    assert alarms == 1
+
+
+def test_a_chair_that_once_seemed_solid_raises_no_alarm_where_it_stands() -> None:
+    standing = [UnexplainedThing(1.0 + 0.2 * (number % 2), 2.0, is_solid=number == 3) for number in range(40)]
+    assert alarms_of(*standing) == 0
 
 
 def test_flicker_raises_no_alarm() -> None:

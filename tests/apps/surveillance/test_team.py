@@ -213,6 +213,13 @@ def test_an_intruder_raises_one_alarm_and_the_nearest_robot_follows_it(make: Mak
     assert course.run_until(lambda: follower in {each.robot for each in visits(course)[count:]}, 60.0)
 
 
+def test_an_intruder_behind_a_wall_is_not_visible_where_beams_end_at_the_wall(make: Make) -> None:
+    outside = 8.1, 4.8
+    course = make(PlayedIntruder((outside, outside), 0.0), scan_s=0.5, starts={"doc": Pose2D(6.0, 4.5, 0.0)})
+    course.run(5.0)
+    assert course.visible == {}
+
+
 def test_while_a_robot_is_lost_an_alarm_says_that_it_may_be_that_robot_and_nobody_follows(make: Make) -> None:
     course = make(PlayedIntruder(((1.2, 4.8), (2.6, 4.2)), 80.0, 0.05), scan_s=0.2)
     course.robots["doc"].is_lost = True
