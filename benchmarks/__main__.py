@@ -12,7 +12,9 @@ from pathlib import Path
 from benchmarks.drives import add_options
 from benchmarks.figures import Figure, as_text, write_json, write_picture
 from benchmarks.noise import NoiseMeter
+from configs import ConfigError
 from configs.defaults import VARIABLE
+from p2os_emu.world import WorldError
 
 GROUPS = {
     "codec": "time to decode and encode one SIP",
@@ -109,7 +111,10 @@ def main(argv: Sequence[str] | None = None) -> int:
     for group in groups:
         print(f"-- {group}: {everything[group]}", flush=True)
         meter = NoiseMeter([options.peer_pid] if options.peer_pid else [])
-        found = importlib.import_module(f"benchmarks.{group}").measure(options)
+        try:
+            found = importlib.import_module(f"benchmarks.{group}").measure(options)
+        except (ConfigError, WorldError) as err:
+            parser.exit(2, f"{parser.prog}: {err}\n")
         noise = meter.read()
         for figure in (replace(each, doubt=noise.doubt) for each in found):
             figures.append(figure)

@@ -50,6 +50,8 @@ class MapResult:
 def measure(options: argparse.Namespace) -> list[Figure]:
     """Drive through all worlds, build their maps, and judge them."""
     options.out.mkdir(parents=True, exist_ok=True)
+    for name in options.map or ():
+        load_world(name)  # a mistake is told before the first drive
     results = []
     for name in (*WORLDS, *(options.map or ())):
         results.append(build(name, SEED, options.out))

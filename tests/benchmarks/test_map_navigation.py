@@ -8,8 +8,10 @@ import pytest
 
 from acromovi.missions.results_file import ResultsFile
 from benchmarks import map_navigation
+from benchmarks.__main__ import main
 from benchmarks.map_course import FloorJob, GoalScore
 from benchmarks.map_navigation import jobs, measure, of_whole_floors
+from configs.defaults import VARIABLE
 from geometry import Pose2D
 
 
@@ -43,3 +45,28 @@ def test_a_run_that_is_resumed_plays_no_floor_again(tmp_path: Path, monkeypatch:
     assert {figure.name for figure in figures} >= {"static: goals not reached", "busy: goals not reached"}
     assert all(figure.samples == 20 for figure in figures)
     assert len(drawn[0]) == 3 * 20
+
+
+@pytest.mark.parametrize(
+    ("words", "why"),
+    [
+        (["map_navigation", "--resume"], "map-navigation.jsonl, line 1: not JSON"),
+        (["mapping", "--map", "nowhere.map"], "there is no file nowhere.map"),
+    ],
+)
+def test_a_file_that_cannot_be_used_is_one_sentence(
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    words: list[str],
+    why: str,
+) -> None:
+    monkeypatch.setenv(VARIABLE, "local:test")
+    kept = tmp_path / "map-navigation.jsonl"
+    kept.write_text("nonsense\n", encoding="utf-8")
+    with pytest.raises(SystemExit) as caught:
+        main([*words, "--out", str(tmp_path)])
+    assert caught.value.code == 2
+    (said,) = capsys.readouterr().err.splitlines()
+    assert why in said
+    assert kept.read_text(encoding="utf-8") == "nonsense\n"
