@@ -1,11 +1,13 @@
 """Watchdog of a container's event loop: it reports which agent blocks the loop, and where.
 
 All agents of a container share one loop, so one that blocks it stops all of them. Nothing can interrupt it; the report
-names the line of code.
+names the line of code. On a machine with more to do than it has processors a loop stands as well while it, or a thread
+of the bus, waits for one. That is no agent's fault and may take a second; what takes longer is reported there too.
 """
 
 import asyncio
 import linecache
+import os
 import sys
 import sysconfig
 import threading
@@ -22,6 +24,7 @@ from bus.aio import hand_over
 from bus.threads import compiled_at
 
 LONGEST_TURN = 0.5  # s that one step of an agent may take
+BUSY = 4.0  # times as long, on a machine with more to do than processors
 LOOK_EVERY = 0.25  # s
 GRACE = 0.05  # s for a loop that was frozen together with its watchdog
 _LIBRARIES = (sysconfig.get_paths()["stdlib"], "<frozen")
@@ -53,27 +56,27 @@ class LoopWatchdog(Subscription):
 
     def _watch(self) -> None:
         while not self._has_ended.wait(LOOK_EVERY) and not self._loop.is_closed():
-            turned = threading.Event()
+            turned, longest = threading.Event(), _longest_turn()
             hand_over(self._loop, turned.set)
-            if not self._turns(turned) and self._loop.is_running():
-                self._tell()
+            if not self._turns(turned, longest) and self._loop.is_running():
+                self._tell(longest)
                 while not turned.wait(LOOK_EVERY) and self._loop.is_running() and not self._has_ended.is_set():
                     pass
 
-    def _turns(self, turned: threading.Event) -> bool:
+    def _turns(self, turned: threading.Event, longest: float) -> bool:
         """Return whether the loop runs in time; the time for compiling message types, each once, does not count."""
         while True:
             since = time.monotonic()
-            if turned.wait(LONGEST_TURN) or turned.wait(GRACE):
+            if turned.wait(longest) or turned.wait(GRACE):
                 return True
             if compiled_at(self._loop_thread) < since:
                 return False
 
-    def _tell(self) -> None:
+    def _tell(self, longest: float) -> None:
         frame = sys._current_frames().get(self._loop_thread)
         agent, doing = self._at_work(asyncio.current_task(self._loop), frame)
         where = "" if frame is None else f" at {_place(frame)}"
-        self._report(agent, f"{doing} holds up all agents of this container for longer than {LONGEST_TURN:g} s{where}")
+        self._report(agent, f"{doing} holds up all agents of this container for longer than {longest:g} s{where}")
 
     def _at_work(self, task: "asyncio.Task[object] | None", frame: FrameType | None) -> tuple[AgentName | None, str]:
         """Return the agent that occupies the loop and what it does, by the task or the methods on the stack."""
@@ -87,6 +90,11 @@ class LoopWatchdog(Subscription):
                     return agent.name, f"the method {frame.f_code.co_name}"
             frame = frame.f_back
         return None, "something that is no agent's" if task is None else f"the task {task.get_name()}"
+
+
+def _longest_turn() -> float:
+    """Return how long a step of an agent may take now, s."""
+    return LONGEST_TURN * (BUSY if os.getloadavg()[0] > (os.cpu_count() or 1) else 1.0)
 
 
 def _doing(agent: Agent, task: "asyncio.Task[object]") -> str | None:

@@ -1,15 +1,24 @@
 """An agent that blocks the loop of its container is told of, with the line where it does."""
 
 import asyncio
+import os
 import time
 
 import pytest
 
 from agents.platform import Agent, Container, Report, request
-from agents.platform.watchdog import LONGEST_TURN
+from agents.platform.watchdog import BUSY, LONGEST_TURN
 from bus import MemoryBus, Sample, messages
 from bus.messages import decode_json
 from tests.waiting import Deadline, patience
+
+
+@pytest.fixture(autouse=True)
+def load(monkeypatch: pytest.MonkeyPatch) -> list[float]:
+    """The load of the machine, as the operating system tells it: little, until a test has another one."""
+    load = [0.0]
+    monkeypatch.setattr("agents.platform.watchdog.os.getloadavg", lambda: (*load, 0.0, 0.0))
+    return load
 
 
 class Blocker(Agent):
@@ -80,6 +89,32 @@ def test_what_is_no_agents_is_told_of_without_a_name(caplog: pytest.LogCaptureFi
     asyncio.run(main())
     assert decode_json(told[0].payload)["agent"] is None
     assert f"for longer than {LONGEST_TURN:g} s" in caplog.text
+
+
+@pytest.mark.parametrize(("busy", "times"), [(False, 1.0), (True, BUSY)])
+def test_on_a_busy_machine_what_takes_longer_is_no_fault_of_an_agent_until_it_takes_very_long(
+    load: list[float], busy: bool, times: float
+) -> None:
+    load[0] = 2.0 * (os.cpu_count() or 1) if busy else 0.0
+    reports: list[Report] = []
+    took: list[float] = []
+
+    class Slow(Blocker):
+        async def act(self) -> None:
+            since = time.monotonic()
+            self.block()
+            took.append(time.monotonic() - since)
+
+    async def main() -> None:
+        async with Container(MemoryBus(), "happy", reports.append) as container:
+            slow = Slow(reports)
+            await container.start(slow)
+            await slow.add(slow.act).result()
+
+    asyncio.run(main())
+    (report,) = reports
+    assert f"for longer than {times * LONGEST_TURN:g} s at " in report.what
+    assert took[0] > 0.9 * times * LONGEST_TURN
 
 
 class SlowTypes:
