@@ -22,6 +22,7 @@ from agents.platform import (
 from agents.platform.acl import AclMessage
 from agents.platform.virtual_time import VirtualTimeLoop
 from bus import Conversation, MemoryBus, MemoryNetwork, Refused
+from tests.agents.platform.traced_container import TracedContainer
 
 CONSOLE = AgentName("console", "lab")
 WORDS = ("cfp", "propose", "accept-proposal", "reject-proposal", "inform")
@@ -68,8 +69,8 @@ class Fair:
         self.join("lab", self.console)
 
     def join(self, name: str, agent: Agent) -> None:
-        container = Container(MemoryBus(self.network), name, self.reports.append, self.loop.time)
-        container.trace = self.said.append  # type: ignore[method-assign,assignment]  # the test records the trace
+        bus = MemoryBus(self.network)
+        container = TracedContainer(bus, name, self.reports.append, self.loop.time, self.said)
         self.containers[name] = container
         self.loop.run_until_complete(container.start(agent))
 

@@ -193,7 +193,9 @@ def test_who_waits_for_an_order_is_told_that_the_container_closes(world: World) 
     assert heard == ["the container yard is being closed"]
 
 
-def test_an_agent_that_is_being_stopped_ends_as_it_is_to_although_its_container_closes(world: World) -> None:
+def test_an_agent_that_is_being_stopped_ends_as_it_is_to_although_its_container_closes(
+    world: World, monkeypatch: pytest.MonkeyPatch
+) -> None:
     world.start()
     agent = world.container.agent("w@team")
     heard: list[dict[str, Any]] = []
@@ -204,7 +206,7 @@ def test_an_agent_that_is_being_stopped_ends_as_it_is_to_although_its_container_
             await asyncio.sleep(1.0)
             ended.append(True)
 
-        agent.take_down = slow_end  # type: ignore[method-assign]  # an end that takes its time
+        monkeypatch.setattr(agent, "take_down", slow_end)
         key = world.container.called.control_key
         asking = asyncio.ensure_future(query(world.outside, key, {"do": "stop", "name": "w@team"}, 60.0))
         await asyncio.sleep(0.1)

@@ -6,7 +6,7 @@ from typing import Any, ClassVar
 
 import pytest
 
-from agents.platform import Agent, AgentName, Bid, Container, Ending, Performative, answers, proposes, request
+from agents.platform import Agent, AgentName, Bid, Ending, Performative, answers, proposes, request
 from agents.platform.acl import AclMessage
 from agents.platform.conversations.fipa_brokering import Wanted
 from agents.platform.conversations.responder_conversation import asker
@@ -15,6 +15,7 @@ from agents.platform.virtual_time import VirtualTimeLoop
 from agents.services.broker import BrokerAgent
 from bus import MemoryBus, MemoryNetwork, Refused
 from bus.aio import query
+from tests.agents.platform.traced_container import TracedContainer
 from tests.agents.platform.two_containers import TwoContainers
 
 PEER = AgentName("peer", "happy")
@@ -204,8 +205,8 @@ class Market:
         self.said: list[AclMessage] = []
         self.containers = []
         for number, agent in enumerate((self.console, *agents)):
-            container = Container(MemoryBus(self.network), f"c{number}", lambda report: None, loop.time)
-            container.trace = self.said.append  # type: ignore[method-assign,assignment]  # the test records the trace
+            bus = MemoryBus(self.network)
+            container = TracedContainer(bus, f"c{number}", lambda report: None, loop.time, self.said)
             self.containers.append(container)
             loop.run_until_complete(container.start(agent))
 

@@ -460,7 +460,9 @@ def test_messages_follow_once_when_nobody_knows_whether_they_came_along(world: W
     assert sorted(read) == list(range(count))
 
 
-def test_who_was_given_up_lives_once_although_it_had_begun_to_live_there(world: World) -> None:
+def test_who_was_given_up_lives_once_although_it_had_begun_to_live_there(
+    world: World, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """The other container was frozen: it settles the agent, and hears right after that it lives on here."""
     world.begin()
     settle = world.there._control._settle
@@ -473,7 +475,7 @@ def test_who_was_given_up_lives_once_although_it_had_begun_to_live_there(world: 
         return False
 
     world.there._control._orders["settle"] = too_late
-    world.here._control._departures._lives = nobody_knows  # type: ignore[assignment, method-assign]  # it is cut off
+    monkeypatch.setattr(world.here._control._departures, "_lives", nobody_knows)  # it is cut off
     with pytest.raises(Refused):
         world.run(world.move())
     world.loop.run_for(0.1)
