@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterable, Sequence
 
 from acromovi.missions.fresh import CONDITIONS, TUNED, FreshScore
 from acromovi.missions.page import MEASURES, table
+from acromovi.missions.report import fault
 
 EASY = 0.15  # m beside the robot, from which on a way is easy
 LENGTHS = tuple(MEASURES)[:3]  # of path and time
@@ -45,8 +46,7 @@ def _sides(results: Sequence[FreshScore]) -> str:
                 for r in results
                 if r.job.job.has_laser and r.job.job.condition is condition and (r.clearance or 0.0) >= least
             ]
-            tuned = [result for result in here if result.job.family in TUNED]
-            others = [result for result in here if result.job.family not in TUNED]
+            tuned, others = _apart(here)
             apart = f"{100 * (_share(tuned) - _share(others)):+.1f}" if tuned and others else "-"
             rows.append((name, words, _counted(tuned), _counted(others), apart))
     touched = sum(bool(result.verdict and result.verdict.touched) for result in results)
@@ -56,13 +56,20 @@ def _sides(results: Sequence[FreshScore]) -> str:
     )
 
 
+def _apart(results: Sequence[FreshScore]) -> tuple[list[FreshScore], list[FreshScore]]:
+    """Return the results on tuned families, and on the others."""
+    return (
+        [result for result in results if result.job.family in TUNED],
+        [result for result in results if result.job.family not in TUNED],
+    )
+
+
 def _lengths(results: Sequence[FreshScore]) -> str:
     """Return the table of path and time, of the missions that were reached."""
     rows = []
     for condition, name in CONDITIONS.items():
         here = [r for r in results if r.job.job.condition is condition]
-        tuned = [result for result in here if result.job.family in TUNED]
-        others = [result for result in here if result.job.family not in TUNED]
+        tuned, others = _apart(here)
         rows += [(name, measure, _median(tuned, measure), _median(others, measure)) for measure in LENGTHS]
     head = ("condition", "median of the missions that were reached", "tuned", "others")
     return "## Path and time\n\n" + table(head, rows)
@@ -84,9 +91,7 @@ def _failures(results: Sequence[FreshScore]) -> str:
         return "## Failures\n\nNone."
     rows = []
     for result in failed:
-        room = result.clearance
-        touched = ", ".join(result.verdict.touched) if result.verdict is not None else ""
-        reason = "; ".join(filter(None, (result.why, touched and f"touched {touched}"))).replace("|", "/")
+        room, reason = result.clearance, fault(result.why, result.verdict).replace("|", "/")
         beside = f"{100 * room:.0f} cm" if room is not None else "-"
         rows.append((result.job.name, beside, reason, f"`{result.job.command}`"))
     return "## Failures\n\n" + table(("mission", "beside the robot", "what", "again"), rows)

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable, Sequence
 from acromovi.missions.jobs import Case, Condition, Job
 from acromovi.missions.judge import MissionVerdict
 from acromovi.missions.matrix import Result
+from acromovi.missions.report import fault, why
 
 STILL = (Condition.STATIC, Condition.ERROR)
 
@@ -112,18 +113,15 @@ def _failures(results: Sequence[Result[Job]]) -> str:
     if not failed:
         return "## Failures\n\nNone."
     rows = [
-        (result.job.robot, result.job.world, _why(result).replace("|", "/"), f"`{result.job.command}`")
+        (
+            result.job.robot,
+            result.job.world,
+            fault(why(result), result.verdict).replace("|", "/"),
+            f"`{result.job.command}`",
+        )
         for result in failed
     ]
     return "## Failures\n\n" + table(("robot", "world", "what", "again"), rows)
-
-
-def _why(result: Result[Job]) -> str:
-    """What went wrong, in a line."""
-    if result.verdict is None:
-        return f"not played: {result.error.strip().splitlines()[-1]}"
-    touched = f"touched {', '.join(result.verdict.touched)}" if result.verdict.touched else ""
-    return "; ".join(filter(None, (result.verdict.why_not, touched)))
 
 
 def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:

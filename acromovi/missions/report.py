@@ -5,6 +5,7 @@ import statistics
 from collections.abc import Sequence
 from typing import Any
 
+from acromovi.missions.judge import MissionVerdict
 from acromovi.missions.matrix import Result
 from acromovi.missions.mission_file import FileMission
 
@@ -59,7 +60,7 @@ def in_words(result: Result[FileMission]) -> str:
     mark = "ok  " if result.is_good else "FAIL"
     figures = f"{said['path_over_shortest']} of the shortest way, " if said["path_over_shortest"] is not None else ""
     room = f"{100 * said['clearance_m']:.0f} cm beside it" if said["clearance_m"] is not None else "no way"
-    reason = "; ".join(filter(None, (said["why"], _touched(said["touched"]))))
+    reason = fault(said["why"], result.verdict)
     return f"{mark} {result.job.name}: {figures}{room}" + (f": {reason}" if reason else "")
 
 
@@ -80,8 +81,12 @@ def why(result: Result[Any]) -> str:
     return result.verdict.why_not
 
 
-def _touched(names: Sequence[str]) -> str:
-    return f"touched {', '.join(names)}" if names else ""
+def fault(why_not: str, verdict: MissionVerdict | None) -> str:
+    """Return what was wrong with a mission in a line: why it was not reached, and what the robot touched."""
+    if verdict is None:
+        return f"not played: {why_not}"
+    touched = f"touched {', '.join(verdict.touched)}" if verdict.touched else ""
+    return "; ".join(filter(None, (why_not, touched)))
 
 
 def _figure(value: float) -> float | None:

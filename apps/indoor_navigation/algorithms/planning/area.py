@@ -71,9 +71,7 @@ class Area(NamedTuple):
         What the laser sees through is glass and no person, unless a person may be there: sonar hears more of one than
         the legs, and before they are known to be those of a person.
         """
-        panes = self.echo >= OCCUPIED
-        if self.body.any():
-            panes &= ~_widened(self.body, BESIDE_BODY)
+        panes = (self.echo >= OCCUPIED) & ~self._beside_bodies
         return (self.occupied & self.fixed) | panes | self.forbidden
 
     @property
@@ -86,8 +84,13 @@ class Area(NamedTuple):
         occupied, walls = self.occupied, self.walls
         came = occupied & ~walls & np.isinf(self.first_hit)
         stands_out = came & ~_widened(walls, BESIDE_WALL)
-        goes = (came & _widened(stands_out, STANDS_OUT)) | _widened(self.body, BESIDE_BODY)
+        goes = (came & _widened(stands_out, STANDS_OUT)) | self._beside_bodies
         return walls | (occupied & ~goes)
+
+    @property
+    def _beside_bodies(self) -> Bools:
+        """Cells of what may be people, and beside them; mostly there are none."""
+        return _widened(self.body, BESIDE_BODY) if self.body.any() else self.body
 
     def people(self, places: Sequence[Place], beyond: float) -> Bools:
         """Return the cells of what may be people, farther from all these places than so many m; not those of walls."""
