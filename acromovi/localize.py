@@ -134,7 +134,8 @@ def _words(told: Mapping[str, Any]) -> str:
     x, y, heading = told["pose"]
     dx, dy, turn = told["deviations"]
     place = f"({x:.2f} ± {dx:.2f}, {y:.2f} ± {dy:.2f}) m, {degrees(heading):.0f} ± {degrees(turn):.1f} degrees"
-    return f"{told['state']} at {place}, score {told['score']:.2f}"
+    why = f": {told['reason']}" if told["reason"] else ""
+    return f"{told['state']} at {place}, score {told['score']:.2f}{why}"
 
 
 COMMAND = Subcommand(EPILOG, _add_arguments, _run)

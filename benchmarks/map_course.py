@@ -18,9 +18,10 @@ from acromovi.missions.navigated_robot import NavigatedRobot, Played, run_togeth
 from agents.components.localization.localization_agent import LocalizationAgent
 from agents.platform.virtual_time import VirtualTimeLoop
 from agents.services.arbiter import Arbiter
-from benchmarks.localization_drives import map_of_world
+from benchmarks.localization_drives import PERIOD, TURN, map_of_world
 from bus import keys
 from bus.bus import Closeable
+from bus.messages import twist
 from geometry import Point, Pose2D, wrap_angle
 from maps.map_files import write_building_map
 from p2os import RobotModel
@@ -97,6 +98,11 @@ class GoalScore:
 class _LocalizationInStep(LocalizationAgent):
     """Works in the loop, since in virtual time nothing may wait for a thread."""
 
+    @property
+    def is_localized(self) -> bool:
+        """Whether its pose is to be believed."""
+        return self._state() == "localized"
+
     async def _in_thread(self, job: "Callable[[], T]") -> T:
         return job()
 
@@ -138,6 +144,7 @@ class MapFloor(Closeable):
         self.loop = VirtualTimeLoop()
         self.robots = [NavigatedRobot(name, self.lockstep, self.loop) for name in names]
         self._number = 0
+        self._localizations = dict[str, _LocalizationInStep]()
         self.run(1.0)
         for robot in self.robots:
             robot.start_components()
@@ -145,6 +152,7 @@ class MapFloor(Closeable):
         # For passages; it gives none in the first three seconds.
         self.robots[0].start_agent(Arbiter("arbiter@acromovi"))
         self.run(CONNECTING + 2.0)
+        self._turn_those_that_are_not_localized()
 
     def run(self, seconds: float) -> None:
         """Let time pass."""
@@ -201,6 +209,16 @@ class MapFloor(Closeable):
         agent = _LocalizationInStep(f"localization@{robot.name}", properties)
         robot.start_agent(agent)
         robot.do(agent.start(map_file, [robot.start.x, robot.start.y, robot.start.heading]))
+        self._localizations[robot.name] = agent
+
+    def _turn_those_that_are_not_localized(self) -> None:
+        """Let them turn once on the spot, as the localization asks its user to do."""
+        lost = [name for name, agent in self._localizations.items() if not agent.is_localized]
+        for turn, seconds in ((TURN, math.tau / TURN), (0.0, SETTLE)):
+            for _ in range(round(seconds / PERIOD) if lost else 0):
+                for name in lost:
+                    self.lockstep.bus().put(keys.CMD_VEL.key(name), twist(0.0, turn))
+                self.run(PERIOD)
 
     def _left_open(self, whole: WorldSpec) -> "Iterator[MovingDoor]":
         """The doors of a floor, all open until somebody closes them."""

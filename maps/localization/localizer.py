@@ -292,9 +292,10 @@ class Localizer:
                 self._give_up()
             elif self._score >= trust.good and self._memory.travel > self._settings.trust.confirmed:
                 self._unexplained = 0.0
-        elif self.state is LocalizationState.CHECKING and self._score >= trust.good:
-            is_elsewhere = self._is_elsewhere(trust)
-            self.state = LocalizationState.SEARCHING if is_elsewhere else LocalizationState.LOCALIZED
+        elif self.state is LocalizationState.CHECKING and (is_keyframe or self._standing >= self._look_after):
+            self._look_after = max(_FIRST_LOOK, 2.0 * self._standing)
+            if self._is_confirmed(trust):
+                self.state = LocalizationState.LOCALIZED
         elif self._driven - self._searched_at >= self._settings.search.every:
             self._look_everywhere(trust)
         elif self._believed is not None and self._standing >= self._look_after:
@@ -308,13 +309,12 @@ class Localizer:
         pose = self._map_to_odom.compose(self._raw[1])
         return self._search.score(pose, *self._memory.readings(self._corrected), trust.near)
 
-    def _is_elsewhere(self, trust: SensorTrust) -> bool:
-        """Whether another pose explains the readings clearly better than the one that was given."""
+    def _is_confirmed(self, trust: SensorTrust) -> bool:
+        """Whether the readings fit the pose that was given, and no other place better."""
         assert self._map_to_odom is not None
         assert self._raw is not None
-        found = self._search.find(*self._memory.readings(self._corrected), trust.near)
-        pose = self._map_to_odom.compose(self._raw[1])
-        return found is not None and found.margin >= trust.margin and self._search.is_apart(found.pose, pose)
+        pose, readings = self._map_to_odom.compose(self._raw[1]), self._memory.readings(self._corrected)
+        return self._search.compare(pose, *readings, trust).is_confirmed(trust)
 
     def _give_up(self) -> None:
         self.state = LocalizationState.SEARCHING

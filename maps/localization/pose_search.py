@@ -16,6 +16,7 @@ Poses = NDArray[np.float64]
 
 _STEPS = ((0.1, 0.05), (0.05, 0.025), (0.025, 0.0125))  # m and rad by which poses are improved, one after the other
 _WIDE = 0.25  # m, standard deviation of the first choice, whose poses are far apart
+_ASIDE, _TURNED = (-0.4, -0.2, 0.0, 0.2, 0.4), (-0.3, -0.2, -0.1, 0.0, 0.1, 0.2, 0.3)  # m and rad about a given pose
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,6 +34,24 @@ class FoundPose:
     def is_clear(self, trust: SensorTrust) -> bool:
         """Return whether it explains the readings, and no other place does."""
         return self.score >= trust.good and self.margin >= trust.margin
+
+
+@dataclass(frozen=True, slots=True)
+class ComparedPose:
+    """A pose that was given, compared with every other one.
+
+    pose: the best one near it.
+    score: share of the readings whose ends are near a wall.
+    behind: nats by which a pose elsewhere is better; 0 if none is.
+    """
+
+    pose: Pose2D
+    score: float
+    behind: float
+
+    def is_confirmed(self, trust: SensorTrust) -> bool:
+        """Return whether it explains the readings well enough for a pose that was given, and no other place better."""
+        return self.score >= trust.enough and self.behind <= trust.rival
 
 
 class PoseSearch:
@@ -64,22 +83,52 @@ class PoseSearch:
 
     def find(self, ends: Points, origins: Points, near: float) -> FoundPose | None:
         """The best pose for readings in `base_link`, as for `score`; None without readings or free places."""
-        if len(ends) < self._settings.points or not len(self._poses):
+        if not self._can_search(ends):
             return None
-        few = ends[self._rng.choice(len(ends), self._settings.points, replace=False)].astype(np.float32)
-        first = self._wide.of(self._poses, few)
-        kept = np.argpartition(first, min(self._settings.kept, len(first) - 1))[: self._settings.kept]
-        poses, every = self._poses[kept], ends.astype(np.float32)
-        poses, costs = self._apart(poses, self._wide.of(poses, every))
-        poses, costs = _improved(self._fine, poses, every)
-        found = [Pose2D(x, y, wrap_angle(heading)) for x, y, heading in poses.tolist()]
-        all_origins, all_ends = (np.concatenate([placed(pose, each) for pose in found]) for each in (origins, ends))
-        _, is_blocked = self._field.explained(all_origins, all_ends, near)
-        costs = costs + self._fine.worst * np.count_nonzero(is_blocked.reshape(len(found), -1), axis=1)
+        poses, costs = self._best(ends, origins, near)
         best = int(costs.argmin())
         others = costs[self._are_apart(poses, poses[best])]
         margin = float(others.min() - costs[best]) * self._trust.weight if len(others) else np.inf
-        return FoundPose(found[best], self.score(found[best], ends, origins, near), margin)
+        found = _pose(poses[best])
+        return FoundPose(found, self.score(found, ends, origins, near), margin)
+
+    def compare(self, given: Pose2D, ends: Points, origins: Points, trust: SensorTrust) -> ComparedPose:
+        """Compare a pose that was given, or the best one near it, with all others by readings in `base_link`.
+
+        Readings that are too few for a search would fit too many poses near the given one; it is taken as it is then.
+        """
+        if not self._can_search(ends):
+            return ComparedPose(given, self.score(given, ends, origins, trust.close), 0.0)
+        aside = [(given.x + x, given.y + y, given.heading + turn) for x in _ASIDE for y in _ASIDE for turn in _TURNED]
+        near, costs = self._improved(np.array(aside), ends, origins, trust.near)
+        best = near[int(costs.argmin())]
+        others, costs_of_others = self._best(ends, origins, trust.near)
+        costs_of_others = costs_of_others[self._are_apart(others, best)]
+        ahead = costs.min() - costs_of_others.min(initial=np.inf)
+        found = _pose(best)
+        score = self.score(found, ends, origins, trust.close)
+        return ComparedPose(found, score, max(0.0, float(ahead) * self._trust.weight))
+
+    def _can_search(self, ends: Points) -> bool:
+        return len(ends) >= self._settings.points and len(self._poses) > 0
+
+    def _best(self, ends: Points, origins: Points, near: float) -> tuple[Poses, NDArray[np.float64]]:
+        """The best poses of the whole map, of which no two are nearly the same, and their costs in nats."""
+        few = ends[self._rng.choice(len(ends), self._settings.points, replace=False)].astype(np.float32)
+        first = self._wide.of(self._poses, few)
+        kept = np.argpartition(first, min(self._settings.kept, len(first) - 1))[: self._settings.kept]
+        poses = self._poses[kept]
+        poses, _ = self._apart(poses, self._wide.of(poses, ends.astype(np.float32)))
+        return self._improved(poses, ends, origins, near)
+
+    def _improved(self, poses: Poses, ends: Points, origins: Points, near: float) -> tuple[Poses, NDArray[np.float64]]:
+        """The best pose near each one, and its costs; a reading through a wall costs as much as one far from any."""
+        poses, costs = _improved(self._fine, poses, ends.astype(np.float32))
+        each = [_pose(row) for row in poses]
+        all_origins, all_ends = (np.concatenate([placed(pose, points) for pose in each]) for points in (origins, ends))
+        _, is_blocked = self._field.explained(all_origins, all_ends, near)
+        through = np.count_nonzero(is_blocked.reshape(len(each), -1), axis=1)
+        return poses, costs.astype(np.float64) + self._fine.worst * through
 
     def is_apart(self, one: Pose2D, other: Pose2D) -> bool:
         """Whether two poses are another place or direction."""
@@ -114,6 +163,11 @@ class PoseSearch:
         turned = np.abs(np.remainder(poses[:, 2] - one[2] + pi, tau) - pi)
         is_apart: NDArray[np.bool_] = (away > share * self._trust.apart) | (turned > share * self._trust.apart_turn)
         return is_apart
+
+
+def _pose(row: NDArray[np.float64]) -> Pose2D:
+    x, y, heading = row.tolist()
+    return Pose2D(x, y, wrap_angle(heading))
 
 
 def _improved(costs: RangeCosts, poses: Poses, ends: NDArray[np.float32]) -> tuple[Poses, NDArray[np.float32]]:

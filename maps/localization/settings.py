@@ -82,6 +82,9 @@ class SensorTrust:
     good: float
     poor: float
     margin: float
+    close: float
+    enough: float
+    rival: float
 
 
 @dataclass(frozen=True, slots=True)

@@ -43,7 +43,7 @@ CLEARANCE = 0.25
 """m between a goal and the nearest wall, at least: about the radius of the smallest robot."""
 _REASONS: Mapping[LocalizationState, str | None] = {
     LocalizationState.LOCALIZED: None,
-    LocalizationState.CHECKING: "the readings do not fit the given pose yet",
+    LocalizationState.CHECKING: "the readings do not fit the given pose yet; let the robot turn once, or drive it on",
     LocalizationState.SEARCHING: "the readings fit no place, or several; drive on",
     LocalizationState.WRONG_MAP: "no place of the map explains the readings: it is the wrong map, or far out of date",
 }

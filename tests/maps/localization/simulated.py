@@ -17,24 +17,25 @@ ANGLES = np.linspace(-pi / 2, pi / 2, 91)
 LONGEST = 12.0  # m
 
 
-def _box(x1: float, y1: float, x2: float, y2: float) -> list[Segment]:
+def box(x1: float, y1: float, x2: float, y2: float) -> list[Segment]:
+    """The four sides of a box between two corners, m."""
     return [Segment(x1, y1, x2, y1), Segment(x2, y1, x2, y2), Segment(x2, y2, x1, y2), Segment(x1, y2, x1, y1)]
 
 
 FLOOR = BuildingMap(
     (
-        *_box(0, 0, 12, 8),
+        *box(0, 0, 12, 8),
         Segment(5, 0, 5, 3),
         Segment(5, 4.2, 5, 8),
         Segment(5, 5, 8, 5),
         Segment(9.2, 5, 12, 5),
-        *_box(1, 5.5, 2, 6.4),
-        *_box(10.5, 0.5, 11.3, 2.5),
-        *_box(7, 7, 7.6, 7.6),
+        *box(1, 5.5, 2, 6.4),
+        *box(10.5, 0.5, 11.3, 2.5),
+        *box(7, 7, 7.6, 7.6),
     )
 )
 """Three rooms with furniture; no two places look the same."""
-OTHER = BuildingMap((*_box(0, 0, 7, 11), Segment(0, 4, 2.6, 4), Segment(3.8, 4, 7, 4), *_box(3, 7, 5, 8)))
+OTHER = BuildingMap((*box(0, 0, 7, 11), Segment(0, 4, 2.6, 4), Segment(3.8, 4, 7, 4), *box(3, 7, 5, 8)))
 """Another building."""
 
 

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from geometry import Pose2D, wrap_angle
 from maps.building_map import BuildingMap
 from maps.localization.localizer import LocalizationState, Localizer
-from tests.maps.localization.simulated import FLOOR, OTHER, ROUND, SimulatedDrive, settings
+from tests.maps.localization.simulated import FLOOR, OTHER, ROUND, SimulatedDrive, box, settings
 
 START = Pose2D(1.5, 1.5, 0.2)
 LOCALIZED, SEARCHING, WRONG_MAP = (
@@ -33,6 +33,44 @@ def test_a_given_pose_is_followed_in_spite_of_wrong_odometry() -> None:
     assert abs(degrees(wrap_angle(estimate.pose.heading - robot.pose.heading))) < 1.5
     assert estimate.score > 0.9
     assert estimate.map_to_odom is not None
+
+
+CUPBOARD = BuildingMap((*FLOOR.lines, *box(3.0, 1.0, 3.6, 2.0)))
+DESKS = BuildingMap((*FLOOR.lines, *box(8.5, 0.3, 9.2, 0.9), *box(8.6, 2.2, 9.4, 2.8)))
+
+
+@pytest.mark.parametrize(
+    ("building", "place"),
+    [(CUPBOARD, Pose2D(2.0, 1.5, 0.2)), (CUPBOARD, Pose2D(1.5, 1.5, 0.8)), (DESKS, Pose2D(10.0, 1.5, 3.1))],
+)
+def test_a_given_pose_is_believed_at_rest_though_furniture_was_put_in_front_of_the_robot(
+    building: BuildingMap, place: Pose2D
+) -> None:
+    robot = drive(building=building, pose=place)
+    robot.localizer.start_at(Pose2D(place.x + 0.2, place.y - 0.1, place.heading + 0.1))
+    robot.drive([(0.0, 0.0, 1.0)])
+    assert robot.states[-1] is LOCALIZED
+    assert robot.errors[-1] < 0.1
+
+
+@pytest.mark.parametrize("place", [Pose2D(8.5, 1.0, 0.5), Pose2D(2.0, 4.5, 1.5), Pose2D(6.2, 6.4, -2.0)])
+def test_a_robot_that_stands_elsewhere_than_it_was_told_is_not_believed(place: Pose2D) -> None:
+    robot = drive(pose=place)
+    robot.localizer.start_at(START)
+    robot.drive([(0.0, 0.0, 10.0)])
+    assert LOCALIZED not in robot.states
+
+
+def test_a_robot_that_cannot_confirm_its_pose_does_so_by_a_turn_on_the_spot() -> None:
+    place = Pose2D(2.6, 6.0, 3.1)
+    robot = drive(building=BuildingMap((*FLOOR.lines[:8], *FLOOR.lines[12:])), pose=place)  # it looks where a shelf was
+    robot.localizer.start_at(place)
+    robot.drive([(0.0, 0.0, 10.0)])
+    assert LOCALIZED not in robot.states
+    robot.drive([(0.0, 0.6, 10.5)])
+    assert robot.states[-1] is LOCALIZED
+    assert robot.errors[-1] < 0.1
+    assert not robot.was_confidently_wrong
 
 
 def test_an_unknown_pose_is_found_and_never_believed_where_it_is_wrong() -> None:
