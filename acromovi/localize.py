@@ -106,7 +106,7 @@ async def _localize(bus: "Bus", peer: "AgentName", arguments: argparse.Namespace
     if arguments.json:
         print(json.dumps(told))
     elif told["state"] == LOCALIZED:
-        print(f"{arguments.robot} is localized: {_words(told)}")
+        print(f"{arguments.robot} is {_words(told)}")
     if told["state"] == LOCALIZED:
         return 0
     print(f"acromovi localize: {arguments.robot} is not localized ({told['state']}): {told['reason']}", file=sys.stderr)

@@ -88,7 +88,7 @@ def test_a_robot_is_localized_and_sent_to_a_goal_of_the_map(
     assert main(["localize", standing, "--state"]) == 1
     assert "stopped" in capsys.readouterr().err
     assert main(["localize", standing, "--map", file]) == 0
-    assert capsys.readouterr().out.startswith(f"{standing} is localized: localized at (3.0")
+    assert capsys.readouterr().out.startswith(f"{standing} is localized at (3.0")
     assert main(["localize", standing, "--state", "--json"]) == 0
     told = json.loads(capsys.readouterr().out)
     assert told["pose"] == pytest.approx([HOME.x, HOME.y, HOME.heading], abs=0.1)
