@@ -69,7 +69,7 @@ class FetchFloor:
     def __init__(self, settings: FetchSettings) -> None:
         floor = settings.floor
         self._settings = settings
-        self._grid = Grid(GridParameters(floor.resolution_m, floor.echo_m, floor.echo_m, _LARGEST, 3.0, 1.5))
+        self._grid = Grid(GridParameters(floor.resolution_m, floor.echo_m, floor.echo_m, _LARGEST, 3.0, 1.5, 0.0))
         self._costs = CostParameters(floor.comfort_m, 4.0, 0.05, 20.0, 1.3, 2.0, 15.0, 10.0, 3.0, 10.0)
         # Ways are planned for the width of the hull, so the hull and not a circle about it is kept free on them.
         self._hull = Outline(settings.robot.radius_m, settings.robot.radius_m, 2.0 * settings.robot.half_width_m)

@@ -20,7 +20,7 @@ from apps.indoor_navigation.algorithms.perception import Perceived
 from apps.indoor_navigation.algorithms.planning.area import NEVER, OCCUPIED, PASSABLE, PASSED, Area
 from apps.indoor_navigation.algorithms.planning.believed_rays import MAX_OFFSET, BelievedRays, seams
 from apps.indoor_navigation.algorithms.planning.floor import FloorMap
-from apps.indoor_navigation.algorithms.planning.lone_sonar import echoes, free_cells
+from apps.indoor_navigation.algorithms.planning.lone_sonar import echoes, free_cells, may_be_people
 from apps.indoor_navigation.algorithms.planning.terrain import distances
 from apps.indoor_navigation.algorithms.rays import Rays
 from apps.indoor_navigation.data import Floats, Ints, ObstRead, Place, Pose
@@ -48,7 +48,8 @@ class GridParameters:
     resolution: edge of a cell. reach: length up to which a laser ray is used. lone_reach: likewise, of a sonar ray,
     whose distance is more exact than its direction. largest: maximum edge of an area that is extended to a goal.
     settled: s after the first hit from which on a hit shows a wall instead of a walking person. gone: s after the last
-    hit when a walking person counts as gone although the place is out of view.
+    hit when a walking person counts as gone although the place is out of view. stands: s for which something new that
+    a robot without laser hears may be a person who stands there.
     """
 
     resolution: float
@@ -57,6 +58,7 @@ class GridParameters:
     largest: float
     settled: float
     gone: float
+    stands: float
 
 
 class Grid:
@@ -192,6 +194,9 @@ class Grid:
         votes[hits] = HIT
         np.clip(part.evidence + votes, MIN_EVIDENCE, MAX_EVIDENCE, out=part.evidence)
         self._put_bodies(perceived.bodies, reading.stamp)
+        if not is_of_scanner.any():
+            near = self.area.around(reading.pose[:2], margin=self._parameters.lone_reach + MAX_OFFSET)
+            near.body[:] |= may_be_people(near, reading.stamp, self._parameters.stands)
         self._date(part, hits, reading.stamp)
         self._hear(
             self._believed(sonar, reading.pose),
