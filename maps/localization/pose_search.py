@@ -40,12 +40,10 @@ class FoundPose:
 class ComparedPose:
     """A pose that was given, compared with every other one.
 
-    pose: the best one near it.
-    score: share of the readings whose ends are near a wall.
+    score: share of the readings whose ends are near a wall at the best pose near it.
     behind: nats by which a pose elsewhere is better; 0 if none is.
     """
 
-    pose: Pose2D
     score: float
     behind: float
 
@@ -98,16 +96,14 @@ class PoseSearch:
         Readings that are too few for a search would fit too many poses near the given one; it is taken as it is then.
         """
         if not self._can_search(ends):
-            return ComparedPose(given, self.score(given, ends, origins, trust.close), 0.0)
+            return ComparedPose(self.score(given, ends, origins, trust.close), 0.0)
         aside = [(given.x + x, given.y + y, given.heading + turn) for x in _ASIDE for y in _ASIDE for turn in _TURNED]
-        near, costs = self._improved(np.array(aside), ends, origins, trust.near)
+        near, costs = self._refined(np.array(aside), ends, origins, trust.near)
         best = near[int(costs.argmin())]
         others, costs_of_others = self._best(ends, origins, trust.near)
         costs_of_others = costs_of_others[self._are_apart(others, best)]
-        ahead = costs.min() - costs_of_others.min(initial=np.inf)
-        found = _pose(best)
-        score = self.score(found, ends, origins, trust.close)
-        return ComparedPose(found, score, max(0.0, float(ahead) * self._trust.weight))
+        behind = float(costs.min() - costs_of_others.min(initial=np.inf)) * self._trust.weight
+        return ComparedPose(self.score(_pose(best), ends, origins, trust.close), max(0.0, behind))
 
     def _can_search(self, ends: Points) -> bool:
         return len(ends) >= self._settings.points and len(self._poses) > 0
@@ -119,9 +115,9 @@ class PoseSearch:
         kept = np.argpartition(first, min(self._settings.kept, len(first) - 1))[: self._settings.kept]
         poses = self._poses[kept]
         poses, _ = self._apart(poses, self._wide.of(poses, ends.astype(np.float32)))
-        return self._improved(poses, ends, origins, near)
+        return self._refined(poses, ends, origins, near)
 
-    def _improved(self, poses: Poses, ends: Points, origins: Points, near: float) -> tuple[Poses, NDArray[np.float64]]:
+    def _refined(self, poses: Poses, ends: Points, origins: Points, near: float) -> tuple[Poses, NDArray[np.float64]]:
         """The best pose near each one, and its costs; a reading through a wall costs as much as one far from any."""
         poses, costs = _improved(self._fine, poses, ends.astype(np.float32))
         each = [_pose(row) for row in poses]
