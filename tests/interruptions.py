@@ -5,7 +5,7 @@ motion is told so. A machine with more to do than it can keeps processes from ru
 is asked of the product is that it says so and works the next time; one that interrupts by itself does it each time.
 
 A test that fails for this reason alone is therefore run again, fixtures of its own included, and listed at the end of
-the run. What fails for another reason fails at once.
+the run, with what was said. What fails for another reason fails at once.
 """
 
 import re
@@ -34,6 +34,21 @@ def pytest_configure(config: pytest.Config) -> None:
     if config.option.reruns is None:
         config.option.reruns = TRIES - 1
         config.option.only_rerun = [INTERRUPTED.pattern]
+
+
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
+    """List why tests were run again; a test that is interrupted on an idle machine has a defect."""
+    if reports := terminalreporter.stats.get("rerun", []):
+        terminalreporter.section("why tests were run again")
+        for report in reports:
+            terminalreporter.write_line(f"{report.nodeid}: {what_interrupted(report.longreprtext)}")
+
+
+def what_interrupted(failure: str) -> str:
+    """Return what was said of the interruption, from the text of a failure."""
+    lines = (line.strip() for line in failure.splitlines())
+    said = [line.removeprefix("E").strip() for line in lines if INTERRUPTED.search(line)]
+    return said[-1] if said else "it is not said"
 
 
 def again_if_interrupted(act: Callable[P, T]) -> Callable[P, T]:

@@ -2,7 +2,7 @@
 
 import pytest
 
-from tests.interruptions import TRIES, again_if_interrupted
+from tests.interruptions import TRIES, again_if_interrupted, what_interrupted
 
 
 @pytest.mark.parametrize(
@@ -52,3 +52,12 @@ def test_what_fails_for_another_reason_fails_at_once() -> None:
     with pytest.raises(AssertionError, match="stalled"):
         move()
     assert len(tries) == 1
+
+
+def test_what_interrupted_a_test_is_found_in_the_text_of_its_failure() -> None:
+    said = "failed: ask-a7745f@terminal, who asked for it, has been silent for 0.5 s"
+    failure = (
+        f"    raise failure\nE   agents.client.errors.RequestFailed: {said}\n\nagents/client/robot.py:99: RequestFailed"
+    )
+    assert what_interrupted(failure) == f"agents.client.errors.RequestFailed: {said}"
+    assert what_interrupted("E   assert 1 == 2") == "it is not said"
