@@ -139,17 +139,12 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Start programs as copies from now on."""
+    """Start programs as copies until the tests have ended."""
     original = getattr(subprocess, "_fork_exec", None)
     if sys.platform == "linux" and original is not None and not config.getoption("--no-forks"):
-        subprocess._fork_exec = Forks(original)  # type: ignore[attr-defined]  # private: the stubs do not have it
+        forks, patch = Forks(original), pytest.MonkeyPatch()
+        config.add_cleanup(forks.close)
+        config.add_cleanup(patch.undo)  # what is added last is done first
+        patch.setattr(subprocess, "_fork_exec", forks)
         # The other way to start a program, which Python 3.13 prefers; its documentation says to switch it off so.
-        subprocess._USE_POSIX_SPAWN = False  # type: ignore[misc]  # the stubs have it final
-
-
-def pytest_unconfigure() -> None:
-    """Start programs as ever."""
-    forks = getattr(subprocess, "_fork_exec", None)
-    if isinstance(forks, Forks):
-        subprocess._fork_exec = forks.fork_exec  # type: ignore[attr-defined]  # private: the stubs do not have it
-        forks.close()
+        patch.setattr(subprocess, "_USE_POSIX_SPAWN", False)
