@@ -214,11 +214,16 @@ class MapFloor(Closeable):
     def _turn_those_that_are_not_localized(self) -> None:
         """Let them turn once on the spot, as the localization asks its user to do."""
         lost = [name for name, agent in self._localizations.items() if not agent.is_localized]
-        for turn, seconds in ((TURN, math.tau / TURN), (0.0, SETTLE)):
-            for _ in range(round(seconds / PERIOD) if lost else 0):
-                for name in lost:
-                    self.lockstep.bus().put(keys.CMD_VEL.key(name), twist(0.0, turn))
-                self.run(PERIOD)
+        if not lost:
+            return
+        bus = self.lockstep.bus()
+        for _ in range(round(math.tau / TURN / PERIOD)):
+            for name in lost:
+                bus.put(keys.CMD_VEL.key(name), twist(0.0, TURN))
+            self.run(PERIOD)
+        for name in lost:
+            bus.put(keys.CMD_VEL.key(name), twist(0.0, 0.0))
+        self.run(SETTLE)
 
     def _left_open(self, whole: WorldSpec) -> "Iterator[MovingDoor]":
         """The doors of a floor, all open until somebody closes them."""

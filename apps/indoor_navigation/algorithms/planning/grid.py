@@ -49,7 +49,7 @@ class GridParameters:
     whose distance is more exact than its direction. largest: maximum edge of an area that is extended to a goal.
     settled: s after the first hit from which on a hit shows a wall instead of a walking person. gone: s after the last
     hit when a walking person counts as gone although the place is out of view. stands: s for which something new that
-    a robot without laser hears may be a person who stands there.
+    a robot without laser hears may be a person who stands there; 0 where nobody is expected.
     """
 
     resolution: float
@@ -194,8 +194,8 @@ class Grid:
         votes[hits] = HIT
         np.clip(part.evidence + votes, MIN_EVIDENCE, MAX_EVIDENCE, out=part.evidence)
         self._put_bodies(perceived.bodies, reading.stamp)
-        if not is_of_scanner.any():
-            near = self.area.around(reading.pose[:2], margin=self._parameters.lone_reach + MAX_OFFSET)
+        if self._parameters.stands and not is_of_scanner.any():
+            near = self._within_hearing(reading.pose)
             near.body[:] |= may_be_people(near, reading.stamp, self._parameters.stands)
         self._date(part, hits, reading.stamp)
         self._hear(
@@ -209,6 +209,9 @@ class Grid:
 
     def _believed(self, rays: Rays, pose: Pose) -> BelievedRays:
         return BelievedRays.of(rays, self._parameters.reach, self._parameters.lone_reach, pose)
+
+    def _within_hearing(self, pose: Pose) -> Area:
+        return self.area.around(pose[:2], margin=self._parameters.lone_reach + MAX_OFFSET)
 
     def take_for_walls(self, x: float, y: float, radius: float) -> None:
         """Count the obstacles within a radius, m, as walls, because they have not gone away."""
@@ -284,7 +287,7 @@ class Grid:
             perceived: With bodies, whose echoes are not those of glass.
             stamp: s.
         """
-        near = self.area.around(perceived.pose[:2], margin=self._parameters.lone_reach + MAX_OFFSET)
+        near = self._within_hearing(perceived.pose)
         rows, columns = np.nonzero(near.echo != 0)
         x = np.asarray(near.x + (columns + 0.5) * near.resolution, np.float64)
         y = np.asarray(near.y + (rows + 0.5) * near.resolution, np.float64)

@@ -87,7 +87,7 @@ def distances(x: float, y: float, angles: Floats, lines: Floats, reach: float) -
         far = (ax * dy - ay * dx) / turn
         part = (ax * uy - ay * ux) / turn
     hit = (turn != 0.0) & (part >= 0.0) & (part <= 1.0) & (far >= 0.0)
-    return np.asarray(np.minimum(np.where(hit, far, inf).min(axis=1), reach))
+    return np.asarray(np.where(hit, far, inf).min(axis=1, initial=reach))
 
 
 def clearance(x: float, y: float, lines: Floats) -> float:

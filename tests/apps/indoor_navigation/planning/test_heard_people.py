@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 
-import numpy as np
 import pytest
 
 from apps.indoor_navigation.algorithms.planning.area import OCCUPIED
@@ -10,11 +9,11 @@ from apps.indoor_navigation.algorithms.planning.grid import Grid
 from apps.indoor_navigation.algorithms.planning.mission import Navigator
 from apps.indoor_navigation.data import Floats, ObstRead, Place
 from apps.indoor_navigation.parameters import shipped_parameters
-from tests.apps.indoor_navigation.planning.house import HALF_WIDTH, House, Walker, distances, shortest, still
-from tests.apps.indoor_navigation.planning.test_lone_sonar import CONE, LONGEST, PARAMETERS, RADIUS, heard
+from tests.apps.indoor_navigation.planning.house import HALF_WIDTH, House, Walker, shortest, still
+from tests.apps.indoor_navigation.planning.sonar import RING, heard
 
 MISSION = shipped_parameters("path_planning").mission
-DISCS = np.radians([-90.0, -50.0, -30.0, -10.0, 10.0, 30.0, 50.0, 90.0, 130.0, 150.0, 170.0, -170.0, -150.0, -130.0])
+PARAMETERS = MISSION.guide.memory.grid
 BOX = ((0.8, -0.25, 0.8, 0.25),)
 WALL = ((0.8, -2.0, 0.8, 2.0),)
 
@@ -24,17 +23,7 @@ class SonarWalker(Walker):
 
     def reading(self, lines: Floats) -> ObstRead:
         """What it hears."""
-        x, y, _ = self.pose
-        directions = DISCS + self.heading
-        origins = x + RADIUS * np.cos(directions), y + RADIUS * np.sin(directions)
-        ranges = np.array(
-            [
-                distances(*place, direction + CONE, lines, LONGEST).min()
-                for place, direction in zip(zip(*origins, strict=True), directions, strict=True)
-            ]
-        )
-        ends = origins[0] + ranges * np.cos(directions), origins[1] + ranges * np.sin(directions)
-        return ObstRead(self.time, self.pose, None, 0.0, *origins, *ends, (ranges < LONGEST).astype(float), False)
+        return heard(self.pose, lines, self.time, RING)
 
 
 def ring() -> House:

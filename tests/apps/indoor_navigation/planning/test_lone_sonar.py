@@ -1,4 +1,4 @@
-"""What a robot learns of the floor by sonar alone: discs that measure the nearest thing in a cone of 30 degrees."""
+"""What a robot learns of the floor by sonar alone."""
 
 from math import hypot, inf
 
@@ -6,56 +6,14 @@ import numpy as np
 import pytest
 
 from apps.indoor_navigation.algorithms.planning.grid import Grid
-from apps.indoor_navigation.data import ObstRead, Pose
 from apps.indoor_navigation.parameters import shipped_parameters
+from tests.apps.indoor_navigation.planning.house import Line
+from tests.apps.indoor_navigation.planning.sonar import heard
 
 PARAMETERS = shipped_parameters("path_planning").mission.guide.memory.grid
-DISCS = np.radians([-90.0, -50.0, -30.0, -10.0, 10.0, 30.0, 50.0, 90.0])
-CONE = np.radians(np.linspace(-15.0, 15.0, 13))
-RADIUS = 0.15  # m from the middle of the robot to a disc
-LONGEST = 3.0  # m
-
-Wall = tuple[float, float, float, float]
 # A wall 0.9 m ahead, with a door 0.9 m wide in its middle.
-DOOR: tuple[Wall, ...] = ((0.9, -2.0, 0.9, -0.45), (0.9, 0.45, 0.9, 2.0))
+DOOR: tuple[Line, ...] = ((0.9, -2.0, 0.9, -0.45), (0.9, 0.45, 0.9, 2.0))
 JAMBS = (0.9, -0.47), (0.9, 0.47)
-
-
-def measured(x: float, y: float, directions: np.ndarray, walls: tuple[Wall, ...]) -> float:
-    """The distance to the nearest wall along rays from a place; infinity where there is none."""
-    nearest = inf
-    for x1, y1, x2, y2 in walls:
-        dx, dy = x2 - x1, y2 - y1
-        for direction in directions:
-            c, s = np.cos(direction), np.sin(direction)
-            across = c * dy - s * dx
-            if abs(across) < 1e-9:
-                continue
-            away = ((x1 - x) * dy - (y1 - y) * dx) / across
-            part = ((x1 - x) * s - (y1 - y) * c) / across
-            if away > 0.0 and 0.0 <= part <= 1.0:
-                nearest = min(nearest, away)
-    return nearest
-
-
-def heard(pose: Pose, walls: tuple[Wall, ...], stamp: float = 0.0, discs: np.ndarray = DISCS) -> ObstRead:
-    """A reading of all discs of a robot at a pose."""
-    directions = pose[2] + discs
-    x, y = pose[0] + RADIUS * np.cos(directions), pose[1] + RADIUS * np.sin(directions)
-    ranges = np.array([measured(*each[:2], each[2] + CONE, walls) for each in zip(x, y, directions, strict=True)])
-    lengths = np.minimum(ranges, LONGEST)
-    return ObstRead(
-        stamp,
-        pose,
-        None,
-        0.0,
-        x,
-        y,
-        x + lengths * np.cos(directions),
-        y + lengths * np.sin(directions),
-        (ranges < LONGEST).astype(float),
-        False,
-    )
 
 
 def obstacles(grid: Grid) -> list[tuple[float, float]]:
